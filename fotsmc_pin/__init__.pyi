@@ -1,0 +1,16 @@
+from . import errors as errors
+from .arms import Arm as Arm, load_arm as load_arm, perturb as perturb
+from .control import (
+    AdaptiveFONFTSM as AdaptiveFONFTSM,
+    Controller as Controller,
+    FONFTSM as FONFTSM,
+)
+from .fractional import (
+    FractionalDerivative as FractionalDerivative,
+    FractionalIntegral as FractionalIntegral,
+)
+from .simulation import Recording as Recording, simulate as simulate
+from .analysis import Summary as Summary, summarize as summarize
+from .view import export_html as export_html, plot as plot
+
+__version__: str

@@ -1,0 +1,94 @@
+"""Checks of input at the public doors: numbers in, clean arrays out, or an `ArgumentError`."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+
+from fotsmc_pin.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import ArrayLike, NDArray
+
+    Vector: TypeAlias = NDArray[np.float64]
+
+
+def finite_number(
+    name: str,
+    value: float,
+    *,
+    above: float = -math.inf,
+    below: float = math.inf,
+    at_least: float = -math.inf,
+    at_most: float = math.inf,
+) -> float:
+    """Return `value` as a float inside the given bounds.
+
+    Raises:
+        ArgumentError: naming the argument, its value and the bounds.
+    """
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise ArgumentError(name, value, "give a number") from None
+    if not math.isfinite(number):
+        raise ArgumentError(name, value, "give a finite number")
+    if not (above < number < below and at_least <= number <= at_most):
+        bounds = [
+            f"{word} {bound:g}"
+            for word, bound in (
+                ("above", above),
+                ("at least", at_least),
+                ("below", below),
+                ("at most", at_most),
+            )
+            if math.isfinite(bound)
+        ]
+        raise ArgumentError(name, value, f"give a number {' and '.join(bounds)}")
+    return number
+
+
+def count(name: str, value: int, *, at_least: int = 1) -> int:
+    """Return `value` as an int of at least `at_least`; a bool or a fraction is refused."""
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)):
+        raise ArgumentError(name, value, "give a whole number")
+    if value < at_least:
+        raise ArgumentError(name, value, f"give a whole number of at least {at_least}")
+    return int(value)
+
+
+def finite_vector(name: str, value: ArrayLike, size: int) -> Vector:
+    """Return a fresh float64 vector of shape `(size,)` with finite entries."""
+    try:
+        vector = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ArgumentError(name, value, f"give {size} numbers") from None
+    if vector.shape != (size,):
+        raise ArgumentError(name, value, f"give shape ({size},), not {vector.shape}")
+    if not np.isfinite(vector).all():
+        raise ArgumentError(name, value, "every entry must be finite")
+    return vector
+
+
+def per_joint(
+    name: str, value: ArrayLike, size: int, *, above: float = -math.inf, at_least: float = -math.inf
+) -> Vector:
+    """Return a vector with one entry per joint; a scalar stands for all of them."""
+    if np.ndim(value) == 0:
+        value = np.full(size, value)
+    vector = finite_vector(name, value, size)
+    if not (np.all(vector > above) and np.all(vector >= at_least)):
+        word = f"above {above:g}" if math.isfinite(above) else f"at least {at_least:g}"
+        raise ArgumentError(name, value, f"every entry must be {word}")
+    return vector
+
+
+def choice(name: str, value: str, known: Sequence[str]) -> str:
+    """Return `value` if it is one of the known words."""
+    if value not in known:
+        raise ArgumentError(name, value, f"choose one of {', '.join(known)}")
+    return value

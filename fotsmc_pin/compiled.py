@@ -1,0 +1,51 @@
+"""The one way to compile: `@kernel`, Numba in nopython mode with a cache on disk."""
+
+from __future__ import annotations
+
+import hashlib
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar, cast
+
+import numba
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def kernel(function: Function) -> Function:
+    """Compile `function` on its first call and keep the machine code on disk.
+
+    With `NUMBA_DISABLE_JIT=1` the function stays plain Python. Where no cache folder can be
+    written, the kernel is compiled anew in each process.
+    """
+    try:
+        compiled = numba.njit(cache=True)(function)
+    except RuntimeError:  # Numba found no folder that it may write to.
+        compiled = numba.njit(function)
+    _follow_every_source(compiled)
+    return cast("Function", compiled)
+
+
+def _follow_every_source(dispatcher: Any) -> None:
+    """Let a change in any kernel of the package outdate the cached machine code.
+
+    Numba watches only the file in which a kernel stands, not those of the kernels that it calls,
+    and would go on running the old ones.
+    """
+    cache_file = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
+    if hasattr(cache_file, "_source_stamp"):
+        cache_file._source_stamp = (cache_file._source_stamp, _kernel_sources())
+
+
+@cache
+def _kernel_sources() -> str:
+    """Digest of every file of the package that holds a kernel."""
+    digest = hashlib.sha256()
+    for path in sorted(Path(__file__).parent.rglob("*.py")):
+        text = path.read_bytes()
+        if b"@kernel" in text:
+            digest.update(text)
+    return digest.hexdigest()

@@ -1,0 +1,76 @@
+"""Every error that the library raises on purpose.
+
+Each is a `FotsmcError` and also the builtin that a caller would guess (`ValueError`, ...), says what
+to do, and carries the data that it speaks of as attributes.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+
+class FotsmcError(Exception):
+    """Base of all errors raised on purpose."""
+
+
+class ArgumentError(FotsmcError, ValueError):
+    """An argument at a public door is unusable.
+
+    Attributes:
+        argument: name of the argument.
+        value: what was given.
+        remedy: what to give instead.
+    """
+
+    def __init__(self, argument: str, value: Any, remedy: str) -> None:
+        self.argument, self.value, self.remedy = argument, value, remedy
+        shown = repr(value)
+        if len(shown) > 200:
+            shown = shown[:200] + "..."
+        super().__init__(f"{argument} = {shown}: {remedy}")
+
+    def __reduce__(self) -> tuple[type[ArgumentError], tuple[str, Any, str]]:
+        """Rebuild from the parts, so that the error crosses process borders."""
+        return type(self), (self.argument, self.value, self.remedy)
+
+
+class MeasurementError(ArgumentError):
+    """A measurement or reference handed to a tick is not finite or has the wrong shape."""
+
+
+class ArmNotFoundError(FotsmcError, FileNotFoundError):
+    """No arm goes by this name and no file is there."""
+
+
+class UrdfError(FotsmcError, ValueError):
+    """A URDF cannot be used: what is wrong, where, and what to do."""
+
+
+class MissingDependencyError(FotsmcError, ImportError):
+    """An optional package is needed; the message gives the command that installs it."""
+
+
+class OutputExistsError(FotsmcError, FileExistsError):
+    """The target holds a result already and overwriting was not asked for."""
+
+
+class RecordingError(FotsmcError, ValueError):
+    """A file is not a recording of this library, or one that is damaged."""
+
+
+class DivergenceError(FotsmcError, ArithmeticError):
+    """A simulated arm left every reasonable bound.
+
+    Attributes:
+        time: when [s].
+        joint: name of the joint that left first.
+        recording: everything recorded up to that time.
+    """
+
+    def __init__(self, message: str, time: float, joint: str, recording: Any) -> None:
+        self.time, self.joint, self.recording = time, joint, recording
+        super().__init__(message)
+
+    def __reduce__(self) -> tuple[type[DivergenceError], tuple[str, float, str, Any]]:
+        """Rebuild from the parts, so that the error crosses process borders."""
+        return type(self), (str(self), self.time, self.joint, self.recording)
