@@ -1,0 +1,111 @@
+"""`Recording`: everything that happened in a run, time first, with the arm that it happened to."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from dataclasses import dataclass, field, fields
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fotsmc_pin.arms import Arm
+from fotsmc_pin.errors import RecordingError
+from fotsmc_pin.files import replacing
+
+if TYPE_CHECKING:
+    import os
+
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+FORMAT = 1
+SIGNAL_PREFIX = "signal."
+
+
+@dataclass(frozen=True, kw_only=True)
+class Recording:
+    """A run of `N` ticks: state, reference, error, torque and the controller's signals.
+
+    Row `k` of each array belongs to the tick at `t[k]`: the state that the plant was in, the
+    reference, and the torque that was applied from then on.
+
+    Attributes:
+        t: time (N,) [s].
+        q: true configuration (N, nq) [rad, m; cos and sin for a continuous joint].
+        v: true velocity (N, nv) [rad/s, m/s].
+        q_d: reference configuration (N, nq).
+        v_d: reference velocity (N, nv).
+        e: tracking error `q ⊖ q_d` (N, nv) [rad, m].
+        ed: velocity error `v - v_d` (N, nv) [rad/s, m/s].
+        tau: torque at the joints, after all limits (N, nv) [N·m, N].
+        signals: named arrays (N, k) of the controller, such as "s", its sliding variable.
+        arm: the true arm.
+        metadata: plain data that tells how the run was made (controller, gains, dt, versions).
+    """
+
+    t: Array
+    q: Array
+    v: Array
+    q_d: Array
+    v_d: Array
+    e: Array
+    ed: Array
+    tau: Array
+    signals: dict[str, Array]
+    arm: Arm
+    metadata: dict[str, Any] = field(default_factory=dict)
+
+    def __len__(self) -> int:
+        """Return the number of recorded ticks."""
+        return len(self.t)
+
+    @cached_property
+    def error_norm(self) -> Array:
+        """Euclidean norm of the tracking error (N,) [rad]."""
+        norm: Array = np.linalg.norm(self.e, axis=1)
+        return norm
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write everything into one compressed `.npz` file, without pickle, whole or not at all."""
+        header = {"format": FORMAT, "arm": self.arm.to_dict(), "metadata": self.metadata}
+        arrays = {name: getattr(self, name) for name in ARRAYS}
+        arrays |= {SIGNAL_PREFIX + name: signal for name, signal in self.signals.items()}
+        with replacing(path) as stream:
+            np.savez_compressed(stream, header=np.array(json.dumps(header)), **arrays)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Recording:
+        """Read a recording that `save` wrote; the arm is rebuilt from what the file holds.
+
+        Raises:
+            RecordingError: the file is no recording, or a damaged one.
+            FileNotFoundError: no such file.
+        """
+        try:
+            with np.load(path, allow_pickle=False) as file:
+                header = json.loads(str(file["header"]))
+                arrays = {name: file[name] for name in file.files if name != "header"}
+            if header["format"] != FORMAT:
+                raise RecordingError(
+                    f"{path}: recording format {header['format']}, this version reads {FORMAT}"
+                )
+            return cls(
+                **{name: arrays[name] for name in ARRAYS},
+                signals={
+                    name.removeprefix(SIGNAL_PREFIX): array
+                    for name, array in arrays.items()
+                    if name.startswith(SIGNAL_PREFIX)
+                },
+                arm=Arm.from_dict(header["arm"]),
+                metadata=header["metadata"],
+            )
+        except (KeyError, TypeError, ValueError, EOFError, zipfile.BadZipFile) as error:
+            if isinstance(error, RecordingError):
+                raise
+            raise RecordingError(f"{path}: not a recording of fotsmc_pin ({error})") from error
+
+
+ARRAYS = tuple(f.name for f in fields(Recording) if f.name not in ("signals", "arm", "metadata"))
