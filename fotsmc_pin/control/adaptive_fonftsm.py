@@ -1,0 +1,93 @@
+"""`AdaptiveFONFTSM`: the paper's own controller, [22]-[24]."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from fotsmc_pin.control.adaptation import ADAPTATION, adapt
+from fotsmc_pin.control.controller import V
+from fotsmc_pin.control.fonftsm import FONFTSM, PRACTICAL, SurfaceGains
+from fotsmc_pin.control.gains import option, scalar
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+RATES = ("inverse", "direct")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class AdaptiveFONFTSMGains(SurfaceGains):
+    """Gains of `AdaptiveFONFTSM`: the surface's, and those of the adaptation.
+
+    Attributes:
+        upsilon_0: `υ0` of [23].
+        upsilon_1: `υ1` of [24].
+        adaptation_rate: "inverse", the rate is `υ^{-1}` as printed; "direct", it is `υ` (reading R1).
+        B0_start: `B̂0` at the start.
+        B1_start: `B̂1` at the start.
+        adaptation: one of `ADAPTATION`.
+        dead_zone: `‖S‖` below which the dead zone rests.
+        leakage: rate at which leakage forgets.
+        largest_bound: where projection holds `B̂0` and `B̂1`.
+    """
+
+    upsilon_0: float = scalar(0.05, above=0.0)
+    upsilon_1: float = scalar(0.05, above=0.0)
+    adaptation_rate: str = option("inverse", RATES)
+    B0_start: float = scalar(5.0, "N·m", at_least=0.0)
+    B1_start: float = scalar(5.0, "N·m·s/rad", at_least=0.0)
+    adaptation: str = option("printed", ADAPTATION)
+    dead_zone: float = scalar(0.05, "rad s^-(1+α)", at_least=0.0)
+    leakage: float = scalar(1.0, "1/s", at_least=0.0)
+    largest_bound: float = scalar(50.0, "N·m", above=0.0)
+
+
+class AdaptiveFONFTSM(FONFTSM):
+    """Adaptive fractional-order non-singular fast terminal sliding mode control, [22]-[24].
+
+    The law [21] of `FONFTSM` with estimates in place of the bounds,
+
+        dB̂0/dt = υ0^{-1} ‖S‖,   dB̂1/dt = υ1^{-1} ‖S‖ ‖v‖.
+
+    While a torque is clipped the estimates rest: an error that the actuators cannot remove says
+    nothing of the uncertainty.
+
+    Signals: "s" and "w" of `FONFTSM`; "b_hat", the estimates `(B̂0, B̂1)` after the tick.
+
+    Source: Nojavanzadeh and Badamchizadeh, IET Control Theory & Applications, 2016.
+
+    Warns:
+        PaperConditionWarning: `1 < p/q < 2` does not hold (as in the paper's own simulation).
+    """
+
+    Gains = AdaptiveFONFTSMGains
+    presets: ClassVar[Mapping[str, Mapping[str, Any]]] = {
+        "paper": {},
+        "practical": PRACTICAL | {"adaptation": "leakage", "upsilon_0": 1.0, "upsilon_1": 1.0},
+    }
+
+    def _prepare_bounds(self) -> None:
+        g = self.gains
+        self._state = self._bounds = np.array([g.B0_start, g.B1_start])
+        self._signals["b_hat"] = self._bounds
+        self._bounds_start = self._bounds.copy()
+        upsilon = np.array([g.upsilon_0, g.upsilon_1])
+        rates = 1.0 / upsilon if g.adaptation_rate == "inverse" else upsilon
+        self._adaptation = np.array([*rates, g.dead_zone, g.leakage, g.largest_bound])
+        self._adaptation_kind = ADAPTATION.index(g.adaptation)
+
+    def _law(self, dt: float) -> None:
+        clipped = self._control_law(dt)
+        if not clipped:
+            adapt(
+                self._bounds,
+                self._bounds_start,
+                self._work[0],
+                self._motion[V],
+                dt,
+                self._adaptation_kind,
+                self._adaptation,
+            )

@@ -1,0 +1,202 @@
+"""`Plant`: the true arm, integrated under a torque that is held over each tick."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pinocchio as pin
+
+from fotsmc_pin import checks
+from fotsmc_pin.compiled import kernel
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from fotsmc_pin.arms import Arm
+
+    Array = NDArray[np.float64]
+    Disturbance = Callable[[float], ArrayLike]
+
+INTEGRATORS = ("rk4", "semi-implicit")
+FRICTION_WIDTH = 1e-3
+"""Speed over which Coulomb friction changes sign, at the least [rad/s, m/s]."""
+LARGEST_SPEED = 1e4
+"""A joint that is faster than this has diverged [rad/s, m/s]."""
+
+# Rows of the plant's workspace.
+V0, V_STAGE, STEP, SUM_V, SUM_A, LOAD, TAU, DISTURBANCE, DAMPING, FRICTION, WIDTH, LIMIT = range(12)
+
+
+class Plant:
+    """Forward dynamics `M a + C v + G + D v + F_c sign(v) = τ + τ_d` of an arm, step by step.
+
+    Torque is held between ticks (zero-order hold); the disturbance is evaluated at every stage
+    of the integrator. Coulomb friction passes through zero over a narrow width of speed: 1e-3, or
+    as much more as keeps one integration step from overshooting a standstill.
+
+    Attributes:
+        q: configuration (nq,), the plant's own memory.
+        v: velocity (nv,), the plant's own memory.
+    """
+
+    def __init__(
+        self,
+        arm: Arm,
+        q0: Array,
+        v0: Array,
+        *,
+        dt: float,
+        substeps: int = 1,
+        integrator: str = "rk4",
+        disturbance: Disturbance | None = None,
+    ) -> None:
+        """Put the arm at `q0`, `v0` at time 0.
+
+        Args:
+            arm: the true arm.
+            q0: configuration (nq,).
+            v0: velocity (nv,).
+            dt: period of a tick [s].
+            substeps: integration steps in a tick.
+            integrator: "rk4" (fourth order) or "semi-implicit" (Euler, first order, symplectic).
+            disturbance: `t -> (nv,)`, torque added at the joints [N·m, N].
+
+        Raises:
+            ArgumentError: naming the argument, its value and the remedy.
+        """
+        self._substeps = checks.count("substeps", substeps)
+        rk4 = checks.choice("integrator", integrator, INTEGRATORS) == "rk4"
+        self._advance = self._rk4 if rk4 else self._semi_implicit
+        self._arm, self._model, self._data = arm, arm.model, arm.model.createData()
+        self._acceleration: Array = self._data.ddq
+        self._disturbance = disturbance
+        self._euclidean = arm.is_euclidean
+        self._work = work = np.zeros((12, arm.nv))
+        self.q, self.v = np.array(q0), work[V0]
+        self.v[:] = v0
+        self._q_stage, self._v_stage = self.q.copy(), work[V_STAGE]
+        self._load, self._step = work[LOAD], work[STEP]
+        work[DAMPING], work[FRICTION] = arm.damping, arm.friction
+        h = dt / self._substeps
+        work[WIDTH] = np.maximum(FRICTION_WIDTH, arm.friction * h / self._lightest(self.q))
+        work[LIMIT] = arm.effort_limit
+
+    def hold(self, t: float, tau: Array, dt: float) -> tuple[Array, int]:
+        """Hold `tau` (nv,) from `t` for `dt` seconds.
+
+        Returns:
+            The torque at the joints, within the arm's effort limits, and the index of the joint
+            that diverged, or -1.
+        """
+        work = self._work
+        work[TAU] = tau
+        if self._disturbance is not None:
+            work[DISTURBANCE] = self._disturbance(t)
+        begin(work)
+        applied = work[TAU].copy()
+        h = dt / self._substeps
+        for k in range(self._substeps):
+            self._advance(t + k * h, h)
+        return applied, diverged(work)
+
+    def _rk4(self, t: float, h: float) -> None:
+        disturbance, work = self._disturbance, self._work
+        self._evaluate(self.q, self.v)
+        if disturbance is not None:
+            work[DISTURBANCE] = disturbance(t + 0.5 * h)
+        for stage in range(3):
+            if stage == 2 and disturbance is not None:
+                work[DISTURBANCE] = disturbance(t + h)
+            rk4_stage(stage, h, self._acceleration, work)
+            self._q_stage[:] = self._moved()
+            self._evaluate(self._q_stage, self._v_stage)
+        rk4_finish(h, self._acceleration, work)
+        self.q[:] = self._moved()
+
+    def _semi_implicit(self, t: float, h: float) -> None:
+        self._evaluate(self.q, self.v)
+        if self._disturbance is not None:
+            self._work[DISTURBANCE] = self._disturbance(t + h)
+        semi_implicit_step(h, self._acceleration, self._work)
+        self.q[:] = self._moved()
+
+    def _evaluate(self, q: Array, v: Array) -> None:
+        pin.aba(self._model, self._data, q, v, self._load)
+
+    def _moved(self) -> Array:
+        """Return the tick's configuration, moved by the workspace's tangent step."""
+        if self._euclidean:
+            return self.q + self._step
+        moved: Array = pin.integrate(self._model, self.q, self._step)
+        return moved
+
+    def _lightest(self, q: Array) -> Array:
+        """Inertia (nv,) that each joint shows when all others are free, at `q`."""
+        inverse = pin.computeMinverse(self._model, self._data, q)
+        lightest: Array = 1.0 / np.diag(inverse)
+        return lightest
+
+
+@kernel
+def load(work: Array, v: Array) -> None:
+    """What acts on the joints at speed `v`: torque, disturbance and friction."""
+    for j in range(v.size):
+        friction = work[FRICTION, j]
+        if friction > 0.0:
+            friction *= math.tanh(v[j] / work[WIDTH, j])
+        work[LOAD, j] = (
+            work[TAU, j] + work[DISTURBANCE, j] - work[DAMPING, j] * v[j] - friction
+        )
+
+
+@kernel
+def begin(work: Array) -> None:
+    """Keep the torque within its limits and load the joints with it."""
+    for j in range(work.shape[1]):
+        work[TAU, j] = min(max(work[TAU, j], -work[LIMIT, j]), work[LIMIT, j])
+    load(work, work[V0])
+
+
+@kernel
+def diverged(work: Array) -> int:
+    """Index of the first joint whose speed is not finite or beyond reason, or -1."""
+    for j in range(work.shape[1]):
+        if not abs(work[V0, j]) < LARGEST_SPEED:
+            return j
+    return -1
+
+
+@kernel
+def rk4_stage(stage: int, h: float, a: Array, work: Array) -> None:
+    """Take in the acceleration of `stage` 0, 1 or 2; prepare the next stage."""
+    reach = h if stage == 2 else 0.5 * h
+    weight = 1.0 if stage == 0 else 2.0
+    for j in range(a.size):
+        v = work[V0, j] if stage == 0 else work[V_STAGE, j]
+        work[SUM_V, j] = weight * v + (0.0 if stage == 0 else work[SUM_V, j])
+        work[SUM_A, j] = weight * a[j] + (0.0 if stage == 0 else work[SUM_A, j])
+        work[STEP, j] = reach * v
+        work[V_STAGE, j] = work[V0, j] + reach * a[j]
+    load(work, work[V_STAGE])
+
+
+@kernel
+def rk4_finish(h: float, a: Array, work: Array) -> None:
+    """Take in the last stage; move the velocity and leave the tangent step of the whole."""
+    for j in range(a.size):
+        work[STEP, j] = h / 6.0 * (work[SUM_V, j] + work[V_STAGE, j])
+        work[V0, j] += h / 6.0 * (work[SUM_A, j] + a[j])
+    load(work, work[V0])
+
+
+@kernel
+def semi_implicit_step(h: float, a: Array, work: Array) -> None:
+    """Velocity first, then the tangent step with the new velocity."""
+    for j in range(a.size):
+        work[V0, j] += h * a[j]
+        work[STEP, j] = h * work[V0, j]
+    load(work, work[V0])
