@@ -1,1 +1,9 @@
-"""arms."""
+"""Arms: any URDF as limits and dynamics terms, where arms come from, and perturbed plants."""
+
+from fotsmc_pin.arms.arm import Arm
+from fotsmc_pin.arms.draw import Uniform
+from fotsmc_pin.arms.load import load_arm
+from fotsmc_pin.arms.payload import Payload
+from fotsmc_pin.arms.perturbation import perturb
+
+__all__ = ["Arm", "Payload", "Uniform", "load_arm", "perturb"]

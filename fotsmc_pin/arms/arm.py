@@ -1,0 +1,333 @@
+"""`Arm`: a robot arm from a URDF, its limits and the terms of its equation of motion."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pinocchio as pin
+
+from fotsmc_pin.arms.inertia import check_moving_bodies
+from fotsmc_pin.arms.markup import parse_urdf
+from fotsmc_pin.arms.properties import read_properties
+from fotsmc_pin.arms.tree import UrdfTree
+from fotsmc_pin.arms.visuals import visual_model
+from fotsmc_pin.checks import finite_vector
+from fotsmc_pin.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from os import PathLike
+
+    from numpy.typing import ArrayLike, NDArray
+
+    Vector = NDArray[np.float64]
+    Matrix = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Arm:
+    """A robot arm: `M(q) a + C(q, v) v + G(q) = τ`.
+
+    Make one with `load_arm` or `perturb`. An arm never changes. It is its URDF: everything else
+    follows from that text, two arms are equal when their texts and names are, and an arm travels
+    to another process or into a file as text (`to_dict`, pickle).
+
+    The terms include the armature (the motors' inertia seen from the joint). They leave out joint
+    friction and damping, as all of Pinocchio's algorithms do: whatever moves the arm adds
+    `-damping ∘ v - friction ∘ sign(v)`.
+
+    `q` has `nq` entries, `v`, `a` and `τ` have `nv`. For a continuous joint `q` holds the cosine
+    and the sine of the angle, so never subtract configurations: use `difference`. The methods
+    that take `q` share one scratch memory; do not call them on one arm from several threads.
+
+    Attributes:
+        urdf: the whole arm as URDF text; locked joints are fixed ones, overrides are written in.
+        name: what to call it.
+        package_dirs: folders in which `package://` addresses of meshes are looked up.
+        tool_frame: name of the frame at the tool.
+        changes: what `perturb` did, in plain words.
+        notes: what loading decided, in plain words (joints locked, numbers filled in).
+    """
+
+    urdf: str
+    name: str
+    tool_frame: str
+    package_dirs: tuple[str, ...] = ()
+    changes: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Build the model now, so that a bad URDF fails here."""
+        check_moving_bodies(self.tree)
+        if not self.model.existFrame(self.tool_frame):
+            known = ", ".join(frame.name for frame in self.model.frames[1:])
+            raise ArgumentError("tool_frame", self.tool_frame, f"choose one of {known}")
+
+    def __repr__(self) -> str:
+        """Name and size; the URDF itself would fill pages."""
+        return f"Arm({self.name!r}, nq={self.nq}, nv={self.nv}, tool_frame={self.tool_frame!r})"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Travel as text: Pinocchio's objects are rebuilt on arrival."""
+        return Arm.from_dict, (self.to_dict(),)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return all that rebuilds the arm, ready for JSON."""
+        return {
+            "urdf": self.urdf,
+            "name": self.name,
+            "tool_frame": self.tool_frame,
+            "package_dirs": list(self.package_dirs),
+            "changes": list(self.changes),
+            "notes": list(self.notes),
+        }
+
+    @classmethod
+    def from_dict(cls, parts: Mapping[str, Any]) -> Arm:
+        """Rebuild an arm from `to_dict`."""
+        return cls(
+            urdf=parts["urdf"],
+            name=parts["name"],
+            tool_frame=parts["tool_frame"],
+            package_dirs=tuple(parts["package_dirs"]),
+            changes=tuple(parts["changes"]),
+            notes=tuple(parts["notes"]),
+        )
+
+    @cached_property
+    def tree(self) -> UrdfTree:
+        """The URDF as links and joints by name; to be read, not changed."""
+        return UrdfTree(parse_urdf(self.urdf, self.name), self.name)
+
+    @cached_property
+    def model(self) -> pin.Model:
+        """Pinocchio's model, with armature and limits filled in; never change it."""
+        return build_model(self.tree, self.urdf)
+
+    @cached_property
+    def _data(self) -> pin.Data:
+        return self.model.createData()
+
+    # Shape
+
+    @property
+    def nq(self) -> int:
+        """Number of position coordinates."""
+        return int(self.model.nq)
+
+    @property
+    def nv(self) -> int:
+        """Number of degrees of freedom."""
+        return int(self.model.nv)
+
+    @cached_property
+    def joint_names(self) -> tuple[str, ...]:
+        """Names of the moving joints, one per degree of freedom."""
+        return tuple(self.model.names)[1:]
+
+    @property
+    def is_euclidean(self) -> bool:
+        """Whether `q - q_d` is the position error: no continuous joints."""
+        return self.nq == self.nv
+
+    @cached_property
+    def position_units(self) -> tuple[str, ...]:
+        """Unit of each joint's position: "rad", or "m" for a prismatic joint."""
+        kinds = [self.tree.joints[name].type for name in self.joint_names]
+        return tuple("m" if kind == "prismatic" else "rad" for kind in kinds)
+
+    @cached_property
+    def effort_units(self) -> tuple[str, ...]:
+        """Unit of each joint's effort: "N·m", or "N" for a prismatic joint."""
+        return tuple("N" if unit == "m" else "N·m" for unit in self.position_units)
+
+    # Numbers per joint
+
+    @cached_property
+    def effort_limit(self) -> Vector:
+        """Largest effort of each joint, (nv,) [N·m or N], inf where not given."""
+        return self._per_joint("effort_limit")
+
+    @cached_property
+    def velocity_limit(self) -> Vector:
+        """Largest speed of each joint, (nv,) [rad/s or m/s], inf where not given."""
+        return self._per_joint("velocity_limit")
+
+    @cached_property
+    def lower_position_limit(self) -> Vector:
+        """Lowest position of each joint, (nv,) [rad or m], -inf where not given."""
+        return self._per_joint("lower_position_limit")
+
+    @cached_property
+    def upper_position_limit(self) -> Vector:
+        """Highest position of each joint, (nv,) [rad or m], inf where not given."""
+        return self._per_joint("upper_position_limit")
+
+    @cached_property
+    def armature(self) -> Vector:
+        """Motor inertia seen from each joint, (nv,) [kg·m² or kg]; part of the mass matrix."""
+        return self._per_joint("armature")
+
+    @cached_property
+    def friction(self) -> Vector:
+        """Coulomb friction of each joint, (nv,) [N·m or N]; not part of the terms here."""
+        return self._per_joint("friction")
+
+    @cached_property
+    def damping(self) -> Vector:
+        """Viscous friction of each joint, (nv,) [N·m·s/rad or N·s/m]; not part of the terms."""
+        return self._per_joint("damping")
+
+    # Terms of the equation of motion
+
+    def mass_matrix(self, q: ArrayLike) -> Matrix:
+        """Return `M(q)`, (nv, nv) [kg·m²], with the armature on its diagonal."""
+        return np.array(pin.crba(self.model, self._data, self._configuration(q)))
+
+    def coriolis(self, q: ArrayLike, v: ArrayLike) -> Matrix:
+        """Return `C(q, v)`, (nv, nv), such that `Ṁ - 2C` is skew-symmetric."""
+        q, v = self._configuration(q), self._tangent("v", v)
+        return np.array(pin.computeCoriolisMatrix(self.model, self._data, q, v))
+
+    def gravity(self, q: ArrayLike) -> Vector:
+        """Return `G(q)`, (nv,) [N·m or N]: the effort that holds the arm still."""
+        return np.array(
+            pin.computeGeneralizedGravity(self.model, self._data, self._configuration(q))
+        )
+
+    def inverse_dynamics(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Vector:
+        """Return `τ = M a + C v + G`, (nv,) [N·m or N]."""
+        q, v, a = self._configuration(q), self._tangent("v", v), self._tangent("a", a)
+        return np.array(pin.rnea(self.model, self._data, q, v, a))
+
+    def forward_dynamics(self, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> Vector:
+        """Return `a = M⁻¹ (τ - C v - G)`, (nv,) [rad/s² or m/s²]."""
+        q, v, tau = self._configuration(q), self._tangent("v", v), self._tangent("tau", tau)
+        return np.array(pin.aba(self.model, self._data, q, v, tau))
+
+    # Configurations
+
+    @cached_property
+    def neutral(self) -> Vector:
+        """A plain configuration, (nq,): zero, or mid-range where zero is outside the limits."""
+        lower, upper = self.lower_position_limit, self.upper_position_limit
+        outside = (lower > 0.0) | (upper < 0.0)
+        middle = np.where(np.isinf(lower), upper, np.where(np.isinf(upper), lower, 0.5 * lower))
+        both = np.isfinite(lower) & np.isfinite(upper)
+        middle = np.where(both, 0.5 * (np.where(both, lower, 0) + np.where(both, upper, 0)), middle)
+        return _frozen(self.from_joint_positions(np.where(outside, middle, 0.0)))
+
+    def difference(self, q_d: ArrayLike, q: ArrayLike) -> Vector:
+        """Return the tangent error `e = q ⊖ q_d`, (nv,) [rad or m].
+
+        Plain joints give `q - q_d`; continuous joints the shortest turn from `q_d` to `q`.
+        """
+        return np.array(
+            pin.difference(self.model, self._configuration(q_d, "q_d"), self._configuration(q))
+        )
+
+    def integrate(self, q: ArrayLike, dv: ArrayLike) -> Vector:
+        """Return `q ⊕ dv`, (nq,): the configuration reached from `q` by the tangent step `dv`."""
+        return np.array(pin.integrate(self.model, self._configuration(q), self._tangent("dv", dv)))
+
+    def from_joint_positions(self, positions: ArrayLike) -> Vector:
+        """Return the configuration, (nq,), of one angle or travel per joint, (nv,) [rad or m]."""
+        positions = self._tangent("positions", positions)
+        return np.array(pin.integrate(self.model, pin.neutral(self.model), positions))
+
+    def to_joint_positions(self, q: ArrayLike) -> Vector:
+        """Return one angle or travel per joint, (nv,) [rad or m]; continuous ones in [-π, π]."""
+        return np.array(pin.difference(self.model, pin.neutral(self.model), self._configuration(q)))
+
+    def random_configuration(self, rng: np.random.Generator) -> Vector:
+        """Return a configuration, (nq,), uniform inside the limits.
+
+        A joint without limits turns within [-π, π] or slides within [-1, 1] m.
+        """
+        span = np.where(np.array(self.position_units) == "m", 1.0, np.pi)
+        lower, upper = self.lower_position_limit, self.upper_position_limit
+        low = np.where(np.isfinite(lower), lower, np.where(np.isfinite(upper), upper, 0.0) - span)
+        high = np.where(np.isfinite(upper), upper, np.where(np.isfinite(lower), lower, 0.0) + span)
+        return self.from_joint_positions(rng.uniform(low, high))
+
+    # Looks and files
+
+    def write_urdf(self, path: str | PathLike[str]) -> Path:
+        """Write the arm as a URDF that loads to the same dynamics, and return its path.
+
+        Meshes and unknown tags of the original are kept; a comment states the changes. The file
+        appears whole or not at all, and replaces one of that name.
+
+        Raises:
+            OSError: the file cannot be written.
+        """
+        path = Path(path)
+        part = path.with_name(f".{path.name}.{os.getpid()}.part")
+        try:
+            part.write_text(self.urdf, encoding="utf-8")
+            part.replace(path)
+        finally:
+            part.unlink(missing_ok=True)
+        return path
+
+    def visual_model(self) -> pin.GeometryModel:
+        """Return what the arm looks like; its meshes are read on the first call.
+
+        Warns:
+            UserWarning: a mesh is not there; the arm is drawn without it.
+        """
+        return self._visual_model
+
+    @cached_property
+    def _visual_model(self) -> pin.GeometryModel:
+        return visual_model(self.tree, self.model, self.package_dirs)
+
+    def _per_joint(self, name: str) -> Vector:
+        joints = (self.tree.joints[joint] for joint in self.joint_names)
+        return _frozen(
+            np.array([getattr(read_properties(self.tree, joint), name) for joint in joints])
+        )
+
+    def _configuration(self, q: ArrayLike, name: str = "q") -> Vector:
+        return finite_vector(name, q, self.nq)
+
+    def _tangent(self, name: str, vector: ArrayLike) -> Vector:
+        return finite_vector(name, vector, self.nv)
+
+
+def build_model(tree: UrdfTree, urdf: str) -> pin.Model:
+    """Return Pinocchio's model of a URDF, with armature and limits as `Arm` reads them.
+
+    Raises:
+        UrdfError: the parser behind Pinocchio refuses the text.
+    """
+    try:
+        model = pin.buildModelFromXML(urdf)
+    except (ValueError, RuntimeError) as error:
+        raise tree.fail(f"Pinocchio cannot read it: {error}") from None
+    armature = np.zeros(model.nv)
+    effort, velocity = np.full(model.nv, np.inf), np.full(model.nv, np.inf)
+    lower, upper = model.lowerPositionLimit.copy(), model.upperPositionLimit.copy()
+    for number in range(1, model.njoints):
+        joint = model.joints[number]
+        found = read_properties(tree, tree.joints[model.names[number]])
+        armature[joint.idx_v] = found.armature
+        effort[joint.idx_v], velocity[joint.idx_v] = found.effort_limit, found.velocity_limit
+        if joint.nq == 1:
+            lower[joint.idx_q] = found.lower_position_limit
+            upper[joint.idx_q] = found.upper_position_limit
+    model.armature = armature
+    model.upperEffortLimit, model.lowerEffortLimit = effort, -effort
+    model.upperVelocityLimit, model.lowerVelocityLimit = velocity, -velocity
+    model.lowerPositionLimit, model.upperPositionLimit = lower, upper
+    return model
+
+
+def _frozen(vector: Vector) -> Vector:
+    vector.flags.writeable = False
+    return vector

@@ -1,0 +1,153 @@
+"""`load_arm`: from a name or a URDF file to an `Arm`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from fotsmc_pin.arms.arm import Arm, build_model
+from fotsmc_pin.arms.catalog import find_source
+from fotsmc_pin.arms.inertia import check_moving_bodies
+from fotsmc_pin.arms.locking import apply_locks, choose_locks
+from fotsmc_pin.arms.markup import parse_urdf, urdf_text
+from fotsmc_pin.arms.overrides import apply_overrides
+from fotsmc_pin.arms.properties import complete_limits, read_properties
+from fotsmc_pin.arms.tree import UrdfTree
+from fotsmc_pin.arms.visuals import anchor_meshes, package_folders
+from fotsmc_pin.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+    from os import PathLike
+
+    from fotsmc_pin.arms.locking import Patterns
+    from fotsmc_pin.arms.overrides import PerJoint
+
+# Names that makers give to the frame at the tool, best first.
+TOOL_FRAMES = (
+    "tool0",
+    "tcp",
+    "panda_hand_tcp",
+    "gripper_frame_link",
+    "tool_link",
+    "tool",
+    "ee_link",
+    "link_eef",
+    "end_effector",
+    "panda_hand",
+)
+
+
+def load_arm(
+    source: str | PathLike[str],
+    *,
+    package_dirs: Iterable[str | PathLike[str]] = (),
+    lock: Patterns | Mapping[str, float] | None = None,
+    keep: Patterns | None = None,
+    armature: PerJoint | None = None,
+    friction: PerJoint | None = None,
+    damping: PerJoint | None = None,
+    effort_limit: PerJoint | None = None,
+    velocity_limit: PerJoint | None = None,
+    lower_position_limit: PerJoint | None = None,
+    upper_position_limit: PerJoint | None = None,
+    tool_frame: str | None = None,
+    name: str | None = None,
+) -> Arm:
+    """Load a robot arm.
+
+    Mimic joints and grippers are locked unless `keep` says otherwise; `Arm.notes` says which.
+    A limit of 0 or inf in the file means "not given". Meshes are not touched.
+
+    Numbers per joint may be a scalar, a vector in the order of `Arm.joint_names`, or a mapping
+    from joint names or patterns (`{"wrist_*": 0.02}`); they stand in for the file's.
+
+    Args:
+        source: path of a URDF; or the name of a bundled arm ("two_link", "two_link_true"), of one
+            in example-robot-data ("panda", "ur5", ...), or of one in robot_descriptions.
+        package_dirs: folders that hold the packages which `package://` addresses name. Folders
+            above the file are searched by themselves.
+        lock: joints to fix, by name or pattern; a mapping also says where [rad or m].
+        keep: the only joints to leave free, by name or pattern.
+        armature: motor inertia seen from the joint [kg·m² or kg]; in a file,
+            `drake:rotor_inertia` times `drake:gear_ratio` squared.
+        friction: Coulomb friction [N·m or N].
+        damping: viscous friction [N·m·s/rad or N·s/m].
+        effort_limit: largest effort [N·m or N], inf for none.
+        velocity_limit: largest speed [rad/s or m/s], inf for none.
+        lower_position_limit: lowest position [rad or m], -inf for none.
+        upper_position_limit: highest position [rad or m], inf for none.
+        tool_frame: frame at the tool; by default one with a usual name, else the last link of
+            the longest chain.
+        name: what to call the arm.
+
+    Returns:
+        The arm.
+
+    Raises:
+        ArmNotFoundError: no such file or name.
+        UrdfError: the file cannot be used; the message says why and what to do.
+        ArgumentError: an unknown joint, or a number that no joint can have.
+    """
+    found = find_source(Path(source) if not isinstance(source, str) else source)
+    path = found.path.resolve()
+    origin = name or found.name or path.name
+    tree = UrdfTree(parse_urdf(path.read_bytes(), origin), origin)
+    notes: list[str] = []
+
+    locks = choose_locks(tree, lock, keep)
+    apply_locks(locks, tree)
+    for fixed in locks:
+        unit = "m" if fixed.joint.type == "prismatic" else "rad"
+        notes.append(f"locked {fixed.joint.name} at {fixed.position:g} {unit} ({fixed.reason})")
+    tree = UrdfTree(tree.robot, origin)
+    check_moving_bodies(tree)
+    for joint in tree.moving_joints:
+        read_properties(tree, joint)
+        if complete_limits(joint):
+            notes.append(f"{joint.name} gives no effort or velocity limit")
+        for mimic in joint.element.findall("mimic"):
+            joint.element.remove(mimic)
+            notes.append(f"{joint.name} mimics {mimic.get('joint')} in the file, is free here")
+    anchor_meshes(tree.robot, path.parent)
+
+    joint_names = tuple(build_model(tree, urdf_text(tree.robot)).names)[1:]
+    overrides = {
+        "armature": armature,
+        "friction": friction,
+        "damping": damping,
+        "effort_limit": effort_limit,
+        "velocity_limit": velocity_limit,
+        "lower_position_limit": lower_position_limit,
+        "upper_position_limit": upper_position_limit,
+    }
+    apply_overrides(tree, joint_names, overrides)
+
+    folders = [str(Path(folder).resolve()) for folder in package_dirs]
+    if isinstance(package_dirs, str):
+        raise ArgumentError("package_dirs", package_dirs, "give a list of folders")
+    folders += [*found.package_dirs, *package_folders(tree.robot, path.parent)]
+    return Arm(
+        urdf=urdf_text(tree.robot),
+        name=name or found.name or tree.robot.get("name") or path.stem,
+        package_dirs=tuple(dict.fromkeys(folders)),
+        tool_frame=tool_frame or default_tool_frame(tree),
+        notes=tuple(notes),
+    )
+
+
+def default_tool_frame(tree: UrdfTree) -> str:
+    """Return a link with a usual tool name, else the last link of the longest chain.
+
+    Chains are as long as they have moving joints, then as they have joints; the first one in the
+    file wins a tie.
+    """
+
+    def length(link: str) -> tuple[int, int]:
+        chain = tree.chain(link)
+        return sum(joint.moves for joint in chain), len(chain)
+
+    longest = max(tree.links, key=length)
+    moving = length(longest)[0]
+    usual = [name for name in TOOL_FRAMES if name in tree.links and length(name)[0] == moving]
+    return usual[0] if usual else longest

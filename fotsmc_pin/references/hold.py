@@ -1,0 +1,39 @@
+"""`Hold`: stay where you are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fotsmc_pin.checks import finite_vector
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from fotsmc_pin.arms import Arm
+
+    Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Hold:
+    """One configuration for all time.
+
+    Attributes:
+        arm: the arm that it is for.
+        q: configuration to hold, (nq,); None for `arm.neutral`.
+    """
+
+    arm: Arm
+    q: ArrayLike | None = None
+
+    def __post_init__(self) -> None:
+        """Check the configuration."""
+        q = self.arm.neutral if self.q is None else self.q
+        object.__setattr__(self, "q", finite_vector("q", q, self.arm.nq))
+
+    def __call__(self, t: float) -> tuple[Vector, Vector, Vector]:
+        """Return `q_d` (nq,), `v_d` (nv,) and `a_d` (nv,) at time `t` [s], all fresh arrays."""
+        return np.array(self.q), np.zeros(self.arm.nv), np.zeros(self.arm.nv)
