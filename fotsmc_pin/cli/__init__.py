@@ -1,1 +1,35 @@
-"""cli."""
+"""The command line, `fotsmc`. Each command stands in its own file and imports what it needs when run."""
+
+from __future__ import annotations
+
+import sys
+
+import typer
+
+from fotsmc_pin.cli.animate import animate
+from fotsmc_pin.cli.reproduce import reproduce
+from fotsmc_pin.cli.simulate import simulate
+from fotsmc_pin.errors import FotsmcError
+
+app = typer.Typer(
+    name="fotsmc",
+    help="Fractional-order terminal sliding mode control for any robot arm that has a URDF.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+app.command()(reproduce)
+app.command()(animate)
+app.command()(simulate)
+
+
+def main() -> None:
+    """Run the command line; a mistake of the user ends in one line and exit code 2."""
+    try:
+        app()
+    except FotsmcError as error:
+        print(f"fotsmc: {error}", file=sys.stderr)  # noqa: T201
+        sys.exit(2)
+    except OSError as error:
+        print(f"fotsmc: {error.filename}: {error.strerror}", file=sys.stderr)  # noqa: T201
+        sys.exit(2)

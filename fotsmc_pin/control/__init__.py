@@ -1,10 +1,31 @@
 """Control laws: one file each, all with the face of `Controller`."""
 
 from fotsmc_pin.control.adaptive_fonftsm import AdaptiveFONFTSM
+from fotsmc_pin.control.computed_torque import ComputedTorque
+from fotsmc_pin.control.continuous_tsm import ContinuousTSM
 from fotsmc_pin.control.controller import Controller
 from fotsmc_pin.control.fonftsm import FONFTSM, PaperConditionWarning
+from fotsmc_pin.control.fractional_switching_smc import FractionalSwitchingSMC
+from fotsmc_pin.control.linear_smc import LinearSMC
+from fotsmc_pin.control.nonsingular_tsm import NonsingularTSM
+from fotsmc_pin.control.super_twisting_smc import SuperTwistingSMC
+from fotsmc_pin.control.tde_fontsm import TDEFONTSM
+from fotsmc_pin.control.terminal_smc import TerminalSMC
 
-CONTROLLERS: dict[str, type[Controller]] = {law.__name__: law for law in (AdaptiveFONFTSM, FONFTSM)}
+_LAWS: tuple[type[Controller], ...] = (
+    AdaptiveFONFTSM,
+    FONFTSM,
+    ContinuousTSM,
+    SuperTwistingSMC,
+    TDEFONTSM,
+    FractionalSwitchingSMC,
+    LinearSMC,
+    TerminalSMC,
+    NonsingularTSM,
+    ComputedTorque,
+)
+
+CONTROLLERS: dict[str, type[Controller]] = {law.__name__: law for law in _LAWS}
 """Every law by name: what the tables, the laws of behaviour and the command line run over."""
 
-__all__ = ["CONTROLLERS", "FONFTSM", "AdaptiveFONFTSM", "Controller", "PaperConditionWarning"]
+__all__ = ["CONTROLLERS", "PaperConditionWarning", *CONTROLLERS, "Controller"]

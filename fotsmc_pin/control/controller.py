@@ -133,6 +133,10 @@ class Controller(ABC):
         self._law(dt)
         return self._tau.copy()
 
+    def _pack(self, *values: Array | float) -> Array:
+        """Return gains as the rows of one array, a column per joint, for the kernel."""
+        return np.array([np.broadcast_to(value, self.arm.nv) for value in values])
+
     def _model_terms(self) -> None:
         """Evaluate the nominal model: `M0(q)` and `h0 = C0(q, v) v + G0(q)`."""
         pin.crba(self._model, self._data, self._q)

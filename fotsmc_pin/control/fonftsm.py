@@ -15,7 +15,7 @@ from fotsmc_pin.control.gains import Gains, option, per_joint, scalar
 from fotsmc_pin.control.saturation import clip, unwound
 from fotsmc_pin.control.switching import SWITCHING, sig, switch
 from fotsmc_pin.fractional import FractionalDerivative, FractionalIntegral
-from fotsmc_pin.fractional.kernels import advance, commit, predict
+from fotsmc_pin.fractional.advance import advance, commit, predict
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -129,8 +129,9 @@ class FONFTSM(Controller):
         self._derivative = FractionalDerivative(**memory).stream(n)
         self._integral = FractionalIntegral(**memory).stream(n)
         self._streams = [self._derivative, self._integral]
-        rows = (g.A, g.lam, g.power, g.error_floor, g.theta, g.mu, g.boundary_layer)
-        self._gains = np.array([np.broadcast_to(row, n) for row in rows])
+        self._gains = self._pack(
+            g.A, g.lam, g.power, g.error_floor, g.theta, g.mu, g.boundary_layer
+        )
         self._kind, self._inside = SWITCHING.index(g.switching), g.inertia == "inside"
         self._work = np.zeros((3, n))
         self._signals = {"s": self._work[0], "w": self._work[1]}

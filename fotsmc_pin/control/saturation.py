@@ -1,14 +1,35 @@
-"""Torque limits, and memory that does not wind up behind them."""
+"""Inverse dynamics under torque limits, and memory that does not wind up behind them."""
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from fotsmc_pin.compiled import kernel
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
 
 
 @kernel
 def clip(x: float, limit: float) -> float:
     """`x` within ±`limit`."""
     return min(max(x, -limit), limit)
+
+
+@kernel
+def inverse_dynamics(
+    M0: Array, h0: Array, a: Array, effort_limit: Array, tau: Array, excess: Array
+) -> None:
+    """`τ = M0 a + C0 v + G0` within the limits; `excess` is what had to be cut off, with its sign."""
+    for i in range(a.size):
+        wanted = h0[i]
+        for j in range(a.size):
+            wanted += M0[i, j] * a[j]
+        tau[i] = clip(wanted, effort_limit[i])
+        excess[i] = wanted - tau[i]
 
 
 @kernel
@@ -23,3 +44,14 @@ def unwound(w: float, excess: float, gain: float) -> float:
     if w >= 0.0:
         return min(max(reduced, 0.0), w)
     return max(min(reduced, 0.0), w)
+
+
+@kernel
+def integrated(z: float, rate: float, dt: float, excess: float) -> float:
+    """`z` after a tick of `dz/dt = rate`, at rest while that would push further into the limit.
+
+    `z` acts against the command (`a = ... - z`).
+    """
+    if excess * rate < 0.0:
+        return z
+    return z + dt * rate

@@ -1,0 +1,98 @@
+"""`LinearSMC`: conventional sliding mode on a linear surface."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from fotsmc_pin.compiled import kernel
+from fotsmc_pin.control.controller import A_D, ED, Controller, E
+from fotsmc_pin.control.gains import Gains, option, per_joint
+from fotsmc_pin.control.saturation import inverse_dynamics
+from fotsmc_pin.control.switching import SWITCHING, switch
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LinearSMCGains(Gains):
+    """Gains of `LinearSMC`.
+
+    Attributes:
+        Lambda: slope `Λ` of the surface.
+        K: proportional part of the reaching law.
+        eta: switching part of the reaching law.
+        switching: stands for `sign(s)`; one of `SWITCHING`.
+        boundary_layer: width `φ` of the continuous switching functions.
+    """
+
+    Lambda: Array = per_joint(10.0, "1/s", above=0.0)
+    K: Array = per_joint(10.0, "1/s", at_least=0.0)
+    eta: Array = per_joint(5.0, "rad/s²", at_least=0.0)
+    switching: str = option("sign", SWITCHING)
+    boundary_layer: Array = per_joint(0.1, "rad/s", above=0.0)
+
+
+class LinearSMC(Controller):
+    """Sliding mode on `s = ė + Λ e`, with the sign or a boundary layer.
+
+        a = a_d - Λ ė - K s - η sign(s),   τ = M0 a + C0 v + G0
+
+    Signals: "s".
+
+    Source: Slotine and Li, Applied Nonlinear Control, 1991, chapter 7.
+    """
+
+    Gains = LinearSMCGains
+    presets: ClassVar[Mapping[str, Mapping[str, Any]]] = {
+        "sign": {},
+        "boundary_layer": {"switching": "saturation"},
+    }
+
+    def _prepare(self) -> None:
+        g = self.gains
+        self._gains = self._pack(g.Lambda, g.K, g.eta, g.boundary_layer)
+        self._kind = SWITCHING.index(g.switching)
+        self._work = np.zeros((3, self.arm.nv))
+        self._signals = {"s": self._work[0]}
+
+    def _law(self, dt: float) -> None:
+        control_law(
+            self._motion,
+            self._M0,
+            self._h0,
+            self._effort_limit,
+            self._gains,
+            self._kind,
+            self._work,
+            self._tau,
+        )
+
+
+@kernel
+def control_law(
+    motion: Array,
+    M0: Array,
+    h0: Array,
+    effort_limit: Array,
+    gains: Array,
+    kind: int,
+    work: Array,
+    tau: Array,
+) -> None:
+    """One tick of sliding mode on a linear surface."""
+    e, ed, a_d = motion[E], motion[ED], motion[A_D]
+    Lambda, K, eta, phi = gains[0], gains[1], gains[2], gains[3]
+    s, a, excess = work[0], work[1], work[2]
+
+    for i in range(e.size):
+        s[i] = ed[i] + Lambda[i] * e[i]
+        a[i] = a_d[i] - Lambda[i] * ed[i] - K[i] * s[i] - eta[i] * switch(s[i], kind, phi[i])
+    inverse_dynamics(M0, h0, a, effort_limit, tau, excess)

@@ -1,0 +1,105 @@
+"""`NonsingularTSM`: the non-singular terminal surface with a switching law."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from fotsmc_pin.compiled import kernel
+from fotsmc_pin.control.controller import A_D, ED, Controller, E
+from fotsmc_pin.control.gains import Gains, option, per_joint, scalar
+from fotsmc_pin.control.saturation import inverse_dynamics
+from fotsmc_pin.control.switching import SWITCHING, sig, switch
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class NonsingularTSMGains(Gains):
+    """Gains of `NonsingularTSM`.
+
+    Attributes:
+        beta: gain `β` of the surface.
+        gamma: power `γ` of the surface.
+        K: proportional part of the reaching law.
+        eta: switching part of the reaching law.
+        switching: stands for `sign(s)`; one of `SWITCHING`.
+        boundary_layer: width `φ` of the continuous switching functions.
+    """
+
+    beta: Array = per_joint(0.3, "rad^(1-γ) s^γ", above=0.0)
+    gamma: float = scalar(1.4, above=1.0, below=2.0)
+    K: Array = per_joint(10.0, "1/s", at_least=0.0)
+    eta: Array = per_joint(5.0, "rad/s²", at_least=0.0)
+    switching: str = option("sign", SWITCHING)
+    boundary_layer: Array = per_joint(0.02, "rad", above=0.0)
+
+
+class NonsingularTSM(Controller):
+    """Sliding mode on the non-singular terminal surface `s = e + β sig(ė)^γ`, `1 < γ < 2`.
+
+        a = a_d - β^{-1} γ^{-1} sig(ė)^{2-γ} - K s - η sign(s),   τ = M0 a + C0 v + G0
+
+    Signals: "s".
+
+    Source: Feng, Yu and Man, Automatica, 2002.
+    """
+
+    Gains = NonsingularTSMGains
+    presets: ClassVar[Mapping[str, Mapping[str, Any]]] = {
+        "sign": {},
+        "boundary_layer": {"switching": "saturation"},
+    }
+
+    def _prepare(self) -> None:
+        g = self.gains
+        self._gains = self._pack(g.beta, g.gamma, g.K, g.eta, g.boundary_layer)
+        self._kind = SWITCHING.index(g.switching)
+        self._work = np.zeros((3, self.arm.nv))
+        self._signals = {"s": self._work[0]}
+
+    def _law(self, dt: float) -> None:
+        control_law(
+            self._motion,
+            self._M0,
+            self._h0,
+            self._effort_limit,
+            self._gains,
+            self._kind,
+            self._work,
+            self._tau,
+        )
+
+
+@kernel
+def control_law(
+    motion: Array,
+    M0: Array,
+    h0: Array,
+    effort_limit: Array,
+    gains: Array,
+    kind: int,
+    work: Array,
+    tau: Array,
+) -> None:
+    """One tick of sliding mode on the non-singular terminal surface."""
+    e, ed, a_d = motion[E], motion[ED], motion[A_D]
+    beta, gamma, K, eta, phi = gains[0], gains[1], gains[2], gains[3], gains[4]
+    s, a, excess = work[0], work[1], work[2]
+
+    for i in range(e.size):
+        s[i] = e[i] + beta[i] * sig(ed[i], gamma[i])
+        a[i] = (
+            a_d[i]
+            - sig(ed[i], 2.0 - gamma[i]) / (beta[i] * gamma[i])
+            - K[i] * s[i]
+            - eta[i] * switch(s[i], kind, phi[i])
+        )
+    inverse_dynamics(M0, h0, a, effort_limit, tau, excess)

@@ -1,0 +1,106 @@
+"""`SuperTwistingSMC`: second-order sliding mode on a linear surface (representative of [49])."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from fotsmc_pin.compiled import kernel
+from fotsmc_pin.control.controller import A_D, ED, Controller, E
+from fotsmc_pin.control.gains import Gains, option, per_joint
+from fotsmc_pin.control.saturation import integrated, inverse_dynamics
+from fotsmc_pin.control.switching import SWITCHING, sig, switch
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SuperTwistingSMCGains(Gains):
+    """Gains of `SuperTwistingSMC`.
+
+    Attributes:
+        Lambda: slope `Λ` of the surface.
+        k1: gain of the square root.
+        k2: gain of the integrated sign.
+        switching: stands for `sign(s)` under the integral; one of `SWITCHING`.
+        boundary_layer: width `φ` of the continuous switching functions.
+    """
+
+    Lambda: Array = per_joint(10.0, "1/s", above=0.0)
+    k1: Array = per_joint(10.0, "rad^½/s^(3/2)", at_least=0.0)
+    k2: Array = per_joint(20.0, "rad/s³", at_least=0.0)
+    switching: str = option("sign", SWITCHING)
+    boundary_layer: Array = per_joint(0.1, "rad/s", above=0.0)
+
+
+class SuperTwistingSMC(Controller):
+    """Super-twisting on `s = ė + Λ e`; representative: the law of [49] is not printed in the paper.
+
+        a = a_d - Λ ė - k1 sig(s)^{1/2} - z,   dz/dt = k2 sign(s),   τ = M0 a + C0 v + G0
+
+    Signals: "s"; "z", the integral, at rest while it would push a clipped torque further.
+
+    Source: Levant, International Journal of Control, 1993.
+    """
+
+    Gains = SuperTwistingSMCGains
+    presets: ClassVar[Mapping[str, Mapping[str, Any]]] = {
+        "sign": {},
+        "boundary_layer": {"switching": "saturation"},
+    }
+    representative = True
+
+    def _prepare(self) -> None:
+        g = self.gains
+        self._gains = self._pack(g.Lambda, g.k1, g.k2, g.boundary_layer)
+        self._kind = SWITCHING.index(g.switching)
+        self._work = np.zeros((3, self.arm.nv))
+        self._state = np.zeros(self.arm.nv)
+        self._signals = {"s": self._work[0], "z": self._state}
+
+    def _law(self, dt: float) -> None:
+        control_law(
+            dt,
+            self._motion,
+            self._M0,
+            self._h0,
+            self._effort_limit,
+            self._gains,
+            self._kind,
+            self._state,
+            self._work,
+            self._tau,
+        )
+
+
+@kernel
+def control_law(
+    dt: float,
+    motion: Array,
+    M0: Array,
+    h0: Array,
+    effort_limit: Array,
+    gains: Array,
+    kind: int,
+    z: Array,
+    work: Array,
+    tau: Array,
+) -> None:
+    """One tick of super-twisting; `z` is the integral."""
+    e, ed, a_d = motion[E], motion[ED], motion[A_D]
+    Lambda, k1, k2, phi = gains[0], gains[1], gains[2], gains[3]
+    s, a, excess = work[0], work[1], work[2]
+
+    for i in range(e.size):
+        s[i] = ed[i] + Lambda[i] * e[i]
+        a[i] = a_d[i] - Lambda[i] * ed[i] - k1[i] * sig(s[i], 0.5) - z[i]
+    inverse_dynamics(M0, h0, a, effort_limit, tau, excess)
+    for i in range(e.size):
+        z[i] = integrated(z[i], k2[i] * switch(s[i], kind, phi[i]), dt, excess[i])

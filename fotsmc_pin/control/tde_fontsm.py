@@ -1,0 +1,146 @@
+"""`TDEFONTSM`: time-delay estimation with a fractional terminal surface (representative of [50])."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from fotsmc_pin.compiled import kernel
+from fotsmc_pin.control.controller import A_D, ED, Controller, E, V
+from fotsmc_pin.control.gains import Gains, per_joint, scalar
+from fotsmc_pin.control.saturation import clip
+from fotsmc_pin.control.switching import sig
+from fotsmc_pin.fractional import FractionalDerivative, FractionalIntegral
+from fotsmc_pin.fractional.advance import advance
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TDEFONTSMGains(Gains):
+    """Gains of `TDEFONTSM`.
+
+    Attributes:
+        inertia: constant inertia `M̄`; stable where it is below twice the true one.
+        Lambda: linear gain `Λ` of the surface.
+        k: gain of the fractional terminal term.
+        power: power `r` of the terminal term.
+        alpha: order `α` of the terminal term.
+        K1: proportional part of the reaching law.
+        K2: fractional-power part of the reaching law.
+        rho: power of the reaching law.
+        filter_rate: cut-off of the low-pass that the delayed torque and acceleration pass [rad/s].
+    """
+
+    inertia: Array = per_joint(1.0, "kg·m²", above=0.0)
+    Lambda: Array = per_joint(10.0, "1/s", above=0.0)
+    k: Array = per_joint(5.0, "", at_least=0.0)
+    power: float = scalar(0.9, above=0.0, below=1.0)
+    alpha: float = scalar(0.5, at_least=0.0, below=1.0)
+    K1: Array = per_joint(10.0, "1/s", at_least=0.0)
+    K2: Array = per_joint(5.0, "", at_least=0.0)
+    rho: float = scalar(0.6, above=0.0, below=1.0)
+    filter_rate: float = scalar(200.0, "rad/s", above=0.0)
+
+
+class TDEFONTSM(Controller):
+    """Model-free: what the arm did one tick ago stands for its model. Representative of [50].
+
+    With the surface `s = ė + Λ e + k D^{-α} sig(e)^r`, whose derivative is free of singularities,
+
+        u = a_d - Λ ė - k D^{1-α} sig(e)^r - K1 s - K2 sig(s)^ρ
+        τ = τ_f - M̄ a_f + M̄ u
+
+    where `τ_f` and `a_f` are the last torque and the last acceleration, from a backward difference
+    of the speed, both through the same low-pass, so that their difference is `M̄ a - τ` of a moment
+    ago. No model is evaluated; only `M̄` is needed.
+
+    Signals: "s"; "delay_estimate", `τ_f - M̄ a_f`.
+    """
+
+    Gains = TDEFONTSMGains
+    representative: ClassVar[bool] = True
+
+    def _prepare(self) -> None:
+        g, n = self.gains, self.arm.nv
+        self._gains = self._pack(
+            g.inertia, g.Lambda, g.k, g.power, g.K1, g.K2, g.rho, g.filter_rate
+        )
+        self._integral = FractionalIntegral(order=g.alpha, dt=self.dt).stream(n)
+        self._derivative = FractionalDerivative(order=1.0 - g.alpha, dt=self.dt).stream(n)
+        self._streams = [self._integral, self._derivative]
+        # Rows: speed of the last tick, filtered estimate, and, in its first entry, whether there
+        # was a last tick.
+        self._state = np.zeros((3, n))
+        self._work = np.zeros((5, n))
+        self._signals = {"s": self._work[0], "delay_estimate": self._work[1]}
+
+    def _model_terms(self) -> None:
+        """Evaluate nothing: the law has no model."""
+
+    def _law(self, dt: float) -> None:
+        control_law(
+            dt,
+            self._motion,
+            self._effort_limit,
+            self._gains,
+            self._integral.coefficients,
+            self._integral.memory,
+            self._derivative.coefficients,
+            self._derivative.memory,
+            self._state,
+            self._work,
+            self._tau,
+        )
+
+
+@kernel
+def control_law(
+    dt: float,
+    motion: Array,
+    effort_limit: Array,
+    gains: Array,
+    integral: Array,
+    integral_memory: Array,
+    derivative: Array,
+    derivative_memory: Array,
+    state: Array,
+    work: Array,
+    tau: Array,
+) -> None:
+    """One tick of time-delay estimation; `tau` still holds the torque of the last tick."""
+    e, ed, v, a_d = motion[E], motion[ED], motion[V], motion[A_D]
+    inertia, Lambda, k, r, K1, K2, rho, rate = (
+        gains[0], gains[1], gains[2], gains[3], gains[4], gains[5], gains[6], gains[7],
+    )  # fmt: skip
+    last_v, estimate, started = state[0], state[1], state[2]
+    s, delay_estimate, terminal, terminal_rate, terminal_integral = (
+        work[0], work[1], work[2], work[3], work[4],
+    )  # fmt: skip
+    n = e.size
+
+    for i in range(n):
+        terminal[i] = sig(e[i], r[i])
+    advance(integral, integral_memory, terminal, dt, terminal_integral)
+    advance(derivative, derivative_memory, terminal, dt, terminal_rate)
+    for i in range(n):
+        if started[0] > 0.0:
+            fresh = tau[i] - inertia[i] * (v[i] - last_v[i]) / dt
+            estimate[i] += (1.0 - np.exp(-rate[i] * dt)) * (fresh - estimate[i])
+        delay_estimate[i] = estimate[i]
+        last_v[i] = v[i]
+        s[i] = ed[i] + Lambda[i] * e[i] + k[i] * terminal_integral[i]
+        u = (
+            a_d[i]
+            - Lambda[i] * ed[i]
+            - k[i] * terminal_rate[i]
+            - K1[i] * s[i]
+            - K2[i] * sig(s[i], rho[i])
+        )
+        tau[i] = clip(estimate[i] + inertia[i] * u, effort_limit[i])
+    started[0] = 1.0
