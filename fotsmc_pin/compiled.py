@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import hashlib
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar, cast
+from typing import TYPE_CHECKING, Any, TypeVar, overload
 
 import numba
 
@@ -15,18 +15,30 @@ if TYPE_CHECKING:
     Function = TypeVar("Function", bound=Callable[..., Any])
 
 
-def kernel(function: Function) -> Function:
+@overload
+def kernel(function: Function) -> Function: ...
+@overload
+def kernel(*, sums_in_any_order: bool) -> Callable[[Function], Function]: ...
+def kernel(function: Any = None, *, sums_in_any_order: bool = False) -> Any:
     """Compile `function` on its first call and keep the machine code on disk.
 
     With `NUMBA_DISABLE_JIT=1` the function stays plain Python. Where no cache folder can be
     written, the kernel is compiled anew in each process.
+
+    Args:
+        function: what to compile.
+        sums_in_any_order: let the processor add several terms of a sum at a time, which rounds
+            differently from adding them one after the other.
     """
+    if function is None:
+        return partial(kernel, sums_in_any_order=sums_in_any_order)
+    freedom = {"reassoc"} if sums_in_any_order else False
     try:
-        compiled = numba.njit(cache=True)(function)
+        compiled = numba.njit(cache=True, fastmath=freedom)(function)
     except RuntimeError:  # Numba found no folder that it may write to.
-        compiled = numba.njit(function)
+        compiled = numba.njit(fastmath=freedom)(function)
     _follow_every_source(compiled)
-    return cast("Function", compiled)
+    return compiled
 
 
 def _follow_every_source(dispatcher: Any) -> None:
@@ -35,7 +47,7 @@ def _follow_every_source(dispatcher: Any) -> None:
     Numba watches only the file in which a kernel stands, not those of the kernels that it calls,
     and would go on running the old ones.
     """
-    cache_file = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
+    cache_file: Any = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
     if hasattr(cache_file, "_source_stamp"):
         cache_file._source_stamp = (cache_file._source_stamp, _kernel_sources())
 
