@@ -38,8 +38,11 @@ def unwound(w: float, excess: float, gain: float) -> float:
 
     The command was `base - gain * w` and passed its limit by `excess` (signed). Of `w` only as much
     enters the memory as brings the command back to the limit, and never with its sign reversed:
-    back-calculation, bounded by conditional integration.
+    back-calculation, bounded by conditional integration. At the first sample of an integral the
+    gain is 0, and nothing enters whatever it is.
     """
+    if gain == 0.0:
+        return w
     reduced = w + excess / gain
     if w >= 0.0:
         return min(max(reduced, 0.0), w)
