@@ -1,0 +1,143 @@
+// The arms of the runs: links, ghosts of the reference, and the paths of the tools.
+
+// One rigid body per joint, moved together along packed placements.
+class Figure {
+  constructor(parent, run, placements, dress) {
+    this.root = new THREE.Group();
+    this.placements = placements;
+    this.frames = run.frames.t.length;
+    this.bodies = run.bodies.map((name) => {
+      const body = new THREE.Group();
+      body.name = name;
+      this.root.add(body);
+      return body;
+    });
+    run.visuals.forEach((visual) => dress(visual, this.bodies[visual.joint]));
+    parent.add(this.root);
+  }
+
+  // `place` is an interval of frames as `locate` gives it.
+  move(place) {
+    const { position, orientation } = this.placements;
+    const turned = new THREE.Quaternion();
+    const read = (array, joint, width, k, row) => array[(joint * width + k) * this.frames + row];
+    this.bodies.forEach((body, joint) => {
+      const at = (k) => {
+        const a = read(position, joint, 3, k, place.row);
+        return a + place.part * (read(position, joint, 3, k, place.next) - a);
+      };
+      body.position.set(at(0), at(1), at(2));
+      const q = (row) => [0, 1, 2, 3].map((k) => read(orientation, joint, 4, k, row));
+      body.quaternion.fromArray(q(place.row));
+      if (place.part > 0) body.quaternion.slerp(turned.fromArray(q(place.next)), place.part);
+    });
+  }
+}
+
+class Path {
+  constructor(parent, columns, rows, radius, material) {
+    const points = Array.from(
+      { length: rows },
+      (_, i) => new THREE.Vector3(columns[i], columns[rows + i], columns[2 * rows + i])
+    );
+    this.mesh = new THREE.Mesh(tubeGeometry(points, radius), material);
+    this.mesh.frustumCulled = false;
+    this.head = new THREE.Mesh(new THREE.SphereGeometry(2.4 * radius, 20, 14), material);
+    this.points = points;
+    this.root = new THREE.Group();
+    this.root.add(this.mesh, this.head);
+    parent.add(this.root);
+  }
+
+  // mode: "growing" up to now, "whole", or "off".
+  grow(place, mode) {
+    this.root.visible = mode !== "off";
+    this.head.position.lerpVectors(this.points[place.row], this.points[place.next], place.part);
+    const stretches = mode === "whole" ? Infinity : place.row;
+    this.mesh.geometry.setDrawRange(0, stretches * TUBE_SIDES * 6);
+  }
+}
+
+class Run {
+  constructor(scene, run, index, several, size) {
+    this.run = run;
+    this.root = new THREE.Group();
+    this.root.position.fromArray(run.offset);
+    scene.add(this.root);
+    this.color = new THREE.Color(run.color).convertSRGBToLinear();
+    this.shown = true;
+    const paints = new Map();
+    const paint = (rgba) => {
+      const key = rgba.join();
+      if (!paints.has(key)) paints.set(key, linkMaterial(rgba, several ? this.color : null));
+      return paints.get(key);
+    };
+    this.figure = new Figure(this.root, run, run.frames.arm, (visual, body) => {
+      const mesh = new THREE.Mesh(visual.geometry, visual.mesh.paint.map(({ rgba }) => paint(rgba)));
+      mesh.name = visual.name;
+      mesh.castShadow = mesh.receiveShadow = true;
+      body.add(mesh);
+    });
+    if (run.frames.ghost) {
+      const layers = ghostMaterials();
+      this.ghost = new Figure(this.root, run, run.frames.ghost, (visual, body) => {
+        layers.forEach((material, layer) => {
+          const mesh = new THREE.Mesh(visual.geometry, material);
+          mesh.renderOrder = 1 + layer;
+          body.add(mesh);
+        });
+      });
+    }
+    const rows = run.frames.t.length;
+    const line = (color) => new THREE.MeshBasicMaterial({ color, toneMapped: false });
+    this.path = new Path(this.root, run.frames.tool, rows, 0.0045 * size, line(this.color));
+    if (run.frames.tool_d) {
+      const grey = line(new THREE.Color(GHOST_COLOR).convertSRGBToLinear());
+      this.reference = new Path(this.root, run.frames.tool_d, rows, 0.003 * size, grey);
+    }
+  }
+
+  show({ time, ghost, paths }) {
+    const place = locate(this.run.frames.t, time);
+    this.root.visible = this.shown;
+    this.figure.move(place);
+    this.path.grow(place, paths);
+    if (this.ghost) {
+      this.ghost.root.visible = ghost;
+      this.ghost.move(place);
+    }
+    if (this.reference) this.reference.grow(place, ghost ? paths : "off");
+  }
+}
+
+const GHOST_COLOR = "#35a3e0";
+
+function linkMaterial([red, green, blue, alpha], tint) {
+  const color = new THREE.Color(red, green, blue).convertSRGBToLinear();
+  if (tint) color.lerp(tint, 0.72);
+  return new THREE.MeshStandardMaterial({
+    color,
+    roughness: 0.52,
+    metalness: 0.08,
+    side: THREE.DoubleSide,
+    transparent: alpha < 1,
+    opacity: Math.max(alpha, 0.15),
+    depthWrite: alpha >= 1,
+  });
+}
+
+// The first layer fills only the depth, so that of the second just the nearest surface shows. Both
+// lie a little behind their true place: where arm and ghost agree, the arm is what is seen.
+function ghostMaterials() {
+  const shift = { polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 8 };
+  const depth = new THREE.MeshBasicMaterial({ colorWrite: false, transparent: true, ...shift });
+  const color = new THREE.MeshStandardMaterial({
+    color: new THREE.Color(GHOST_COLOR).convertSRGBToLinear(),
+    transparent: true,
+    opacity: 0.34,
+    depthWrite: false,
+    roughness: 0.9,
+    ...shift,
+  });
+  return [depth, color];
+}

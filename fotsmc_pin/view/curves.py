@@ -1,0 +1,45 @@
+"""Curves thinned for drawing without losing their extremes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+ROWS_AT_MOST = 12_000
+
+
+def thinned_curves(
+    t: Floats, columns: Floats, rows_at_most: int = ROWS_AT_MOST
+) -> tuple[Floats, Floats]:
+    """Return times and columns with at most `rows_at_most` rows that draw the same picture.
+
+    Short recordings come back as they are. In longer ones, each stretch of samples becomes two
+    rows, with the lowest and the highest value of each column in the order in which they came, so
+    that peaks and chattering keep their height; the first and last samples stay.
+
+    Args:
+        t: times (N,) [s].
+        columns: values (N, k).
+        rows_at_most: limit of the result, at least 4.
+    """
+    if len(t) <= rows_at_most:
+        return t, columns
+    inner = np.arange(1, len(t) - 1)
+    width = -(-len(inner) // ((rows_at_most - 2) // 2))
+    starts = np.arange(1, len(t) - 1, width)
+    times, values = [t[:1]], [columns[:1]]
+    for start in starts:
+        stretch = columns[start : min(start + width, len(t) - 1)]
+        low, high = stretch.min(axis=0), stretch.max(axis=0)
+        falling = stretch.argmax(axis=0) < stretch.argmin(axis=0)
+        values.append(np.stack([np.where(falling, high, low), np.where(falling, low, high)]))
+        times.append(t[[start, start + len(stretch) // 2]])
+    times.append(t[-1:])
+    values.append(columns[-1:])
+    return np.concatenate(times), np.concatenate(values)

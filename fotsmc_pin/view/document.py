@@ -1,0 +1,199 @@
+"""The document that a page holds: runs, meshes and view, with its numbers in a `Pack`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fotsmc_pin.view.curves import thinned_curves
+from fotsmc_pin.view.framing import Framing, framing
+from fotsmc_pin.view.meshes import GRID_STEPS, Mesh, thinned
+from fotsmc_pin.view.motion import Motion, frame_rows, motion
+from fotsmc_pin.view.palette import RUN_COLORS
+from fotsmc_pin.view.visuals import Visual, visuals_of
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from fotsmc_pin.simulation import Recording
+    from fotsmc_pin.view.pack import Pack
+
+FACES_AT_MOST = {"compact": 160_000, "full": 100_000_000}
+GAP = 0.15
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Shot:
+    """One run, ready to be shown: frames, their motion, and what the arm looks like."""
+
+    name: str
+    recording: Recording
+    rows: np.ndarray
+    arm: Motion
+    ghost: Motion
+    visuals: Sequence[Visual]
+    framing: Framing
+    offset: np.ndarray
+
+
+def shots_of(
+    recordings: Mapping[str, Recording], *, rate: float, quality: str, side_by_side: bool
+) -> list[Shot]:
+    """Compute the frames of all runs and set them on one floor.
+
+    Args:
+        recordings: runs by name.
+        rate: frames per second of the run [1/s].
+        quality: "compact" thins meshes until all runs fit in a small file, "full" does not.
+        side_by_side: whether the arms stand next to each other instead of in one place.
+    """
+    shots: list[Shot] = []
+    edge = 0.0
+    looks: dict[Any, list[Visual]] = {}
+    for name, recording in recordings.items():
+        arm = recording.arm
+        rows = frame_rows(recording.t, rate)
+        moves = [motion(arm, recording.q[rows]), motion(arm, recording.q_d[rows])]
+        looks.setdefault(arm, visuals_of(arm))
+        view = framing(arm, looks[arm], moves)
+        offset = np.zeros(3)
+        if side_by_side:
+            offset[1] = edge - view.low[1] if shots else 0.0
+            edge = float(view.high[1] + offset[1] + GAP * view.reach)
+        shots.append(
+            Shot(
+                name=name,
+                recording=recording,
+                rows=rows,
+                arm=moves[0],
+                ghost=moves[1],
+                visuals=looks[arm],
+                framing=view,
+                offset=offset,
+            )
+        )
+    return _lightened(shots, FACES_AT_MOST[quality])
+
+
+def document(shots: Sequence[Shot], options: Mapping[str, Any], pack: Pack) -> dict[str, Any]:
+    """Return the JSON document of a page; its arrays go into `pack`.
+
+    Args:
+        shots: the runs.
+        options: how the page starts (`ghost`, `paths`, `speed`, `loop`, `play`, `theme`), and
+            `signals`, the names of the signals to plot.
+        pack: takes the arrays.
+    """
+    meshes: list[dict[str, Any]] = []
+    numbers: dict[int, int] = {}
+    for shot in shots:
+        for visual in shot.visuals:
+            if id(visual.mesh) not in numbers:
+                numbers[id(visual.mesh)] = len(meshes)
+                meshes.append(_mesh(visual.mesh, pack))
+    runs = []
+    ghosts: list[Any] = []
+    for index, shot in enumerate(shots):
+        run = _run(shot, options["signals"], pack)
+        run["color"] = RUN_COLORS[index % len(RUN_COLORS)]
+        run["visuals"] = [
+            {"name": v.name, "joint": v.joint, "mesh": numbers[id(v.mesh)]} for v in shot.visuals
+        ]
+        same_ghost = [run["frames"]["ghost"], run["frames"]["t"], run["offset"]]
+        if same_ghost in ghosts:
+            del run["frames"]["ghost"], run["frames"]["tool_d"]
+        ghosts.append(same_ghost)
+        runs.append(run)
+    options = {key: value for key, value in options.items() if key != "signals"}
+    return {"runs": runs, "meshes": meshes, "view": _view(shots), "options": options}
+
+
+def _lightened(shots: list[Shot], budget: int) -> list[Shot]:
+    """Weld and thin the meshes of all runs; runs of one arm go on sharing theirs."""
+    meshes = {id(v.mesh): v.mesh for shot in shots for v in shot.visuals}
+    size = max(shot.framing.reach for shot in shots)
+    light = dict(zip(meshes, thinned(list(meshes.values()), size, budget), strict=True))
+    return [
+        Shot(
+            **{key: value for key, value in vars(shot).items() if key != "visuals"},
+            visuals=[
+                Visual(name=v.name, joint=v.joint, mesh=light[id(v.mesh)]) for v in shot.visuals
+            ],
+        )
+        for shot in shots
+    ]
+
+
+def _run(shot: Shot, signals: Sequence[str] | None, pack: Pack) -> dict[str, Any]:
+    recording, rows = shot.recording, shot.rows
+    arm = recording.arm
+    if signals is None:
+        signals = [name for name in ("s",) if name in recording.signals]
+    columns = {"e": recording.e, "tau": recording.tau}
+    columns |= {f"signals.{name}": recording.signals[name] for name in signals}
+    times, thin = thinned_curves(recording.t, np.hstack(list(columns.values())))
+    ends = np.cumsum([table.shape[1] for table in columns.values()])[:-1]
+    curves = dict(zip(columns, np.split(thin, ends, axis=1), strict=True))
+    return {
+        "name": shot.name,
+        "arm": arm.name,
+        "offset": shot.offset.tolist(),
+        "bodies": list(arm.model.names),
+        "joints": list(arm.joint_names),
+        "units": {"position": list(arm.position_units), "effort": list(arm.effort_units)},
+        "effort_limit": [float(x) if np.isfinite(x) else None for x in arm.effort_limit],
+        "frames": {
+            "t": pack.add(recording.t[rows]),
+            "arm": _motion(shot.arm, pack),
+            "ghost": _motion(shot.ghost, pack),
+            "tool": pack.add(shot.arm.tool.T),
+            "tool_d": pack.add(shot.ghost.tool.T),
+            "e": pack.add(recording.e[rows].T),
+            "tau": pack.add(recording.tau[rows].T),
+        },
+        "charts": {
+            "t": pack.add(times),
+            "e": pack.add(curves["e"].T),
+            "tau": pack.add(curves["tau"].T),
+            "signals": {name: pack.add(curves[f"signals.{name}"].T) for name in signals},
+        },
+    }
+
+
+def _motion(move: Motion, pack: Pack) -> dict[str, Any]:
+    return {
+        "position": pack.add(move.position.transpose(1, 2, 0)),
+        "orientation": pack.add(move.orientation.transpose(1, 2, 0)),
+    }
+
+
+def _mesh(mesh: Mesh, pack: Pack) -> dict[str, Any]:
+    """Store vertices as 16-bit steps from the lowest corner; they err by 1/131070 of the size."""
+    low, high = mesh.box
+    step = max(float((high - low).max()) / GRID_STEPS, 1e-12)
+    kind = "u2" if len(mesh.vertices) <= GRID_STEPS else "u4"
+    return {
+        "low": low.tolist(),
+        "step": step,
+        "vertices": pack.add(np.rint((mesh.vertices - low) / step), "u2"),
+        "faces": pack.add(mesh.faces, kind),
+        "paint": [{"rgba": list(color), "count": count} for color, count in mesh.paint],
+    }
+
+
+def _view(shots: Sequence[Shot]) -> dict[str, Any]:
+    lows = [shot.framing.low + shot.offset for shot in shots]
+    highs = [shot.framing.high + shot.offset for shot in shots]
+    low, high = np.min(lows, axis=0), np.max(highs, axis=0)
+    floor = min(shot.framing.floor for shot in shots)
+    if floor > low[2] - 0.5 * shots[0].framing.reach:
+        low[2] = min(low[2], floor)
+    return {
+        "low": low.tolist(),
+        "high": high.tolist(),
+        "floor": floor,
+        "reach": max(shot.framing.reach for shot in shots),
+        "direction": shots[0].framing.direction.tolist(),
+    }

@@ -1,0 +1,197 @@
+"""`export_html`: runs of an arm as one file that any browser opens, offline."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+
+from fotsmc_pin.checks import choice, finite_number
+from fotsmc_pin.errors import ArgumentError
+from fotsmc_pin.files import write_text
+from fotsmc_pin.simulation import Recording
+from fotsmc_pin.view.document import Shot, document, shots_of
+from fotsmc_pin.view.pack import Pack
+from fotsmc_pin.view.page import facts_list, page
+from fotsmc_pin.view.palette import RUN_COLORS
+
+if TYPE_CHECKING:
+    import os
+
+Recordings: TypeAlias = Recording | Sequence[Recording] | Mapping[str, Recording]
+
+GHOST_COLOR = "#35a3e0"
+
+
+def export_html(
+    rec: Recordings,
+    path: str | os.PathLike[str],
+    *,
+    title: str | None = None,
+    ghost: bool = True,
+    paths: Literal["growing", "whole", "off"] = "growing",
+    layout: Literal["auto", "overlay", "side by side"] = "auto",
+    quality: Literal["compact", "full"] = "compact",
+    rate: float = 60.0,
+    speed: float = 1.0,
+    loop: bool = True,
+    play: bool = True,
+    signals: Sequence[str] | None = None,
+    theme: Literal["auto", "light", "dark"] = "auto",
+) -> Path:
+    """Write an animation of one or several runs into a single HTML file.
+
+    The page holds the arm, its reference as a translucent ghost, the paths of the tool and of the
+    reference, and plots of error, torque with its limits and sliding variable that are tied to the
+    animation. It needs no server and no network, neither to be written nor to be seen. Several
+    runs are coloured and named, and can be shown and hidden one by one. The same input gives the
+    same file.
+
+    Args:
+        rec: a recording, a list of them, or a dict from names to recordings.
+        path: file to write, whole or not at all; missing folders are made.
+        title: heading of the page; None names the arm.
+        ghost: whether the reference shows at the start.
+        paths: whether the tool's paths grow with time, are shown whole, or not at all.
+        layout: whether several arms stand in one place or next to each other; "auto" puts runs of
+            equal length of chain in one place.
+        quality: "compact" thins fine meshes so that the file stays small, "full" keeps every
+            triangle.
+        rate: frames per second of the run [1/s]; long runs get fewer.
+        speed: seconds of the run shown in one second.
+        loop: whether to start again at the end.
+        play: whether to play when the page opens; a reader who asked the system for reduced
+            motion has to press play.
+        signals: names of the recorded signals to plot; None takes "s" where there is one.
+        theme: "light", "dark", or "auto" to follow the reader's system.
+
+    Returns:
+        The path that was written.
+
+    Raises:
+        ArgumentError: nothing to show, an unknown option or signal, or a run without samples.
+        MissingDependencyError: meshcat is not installed.
+        OSError: the file cannot be written.
+    """
+    recordings = named_recordings(rec)
+    first = next(iter(recordings.values()))
+    options = {
+        "ghost": bool(ghost),
+        "paths": choice("paths", paths, ("growing", "whole", "off")),
+        "speed": finite_number("speed", speed, above=0.0),
+        "loop": bool(loop),
+        "play": bool(play),
+        "theme": choice("theme", theme, ("auto", "light", "dark")),
+        "signals": _known_signals(signals, recordings),
+    }
+    choice("layout", layout, ("auto", "overlay", "side by side"))
+    same_arm = len({recording.arm.joint_names for recording in recordings.values()}) == 1
+    shots = shots_of(
+        recordings,
+        rate=finite_number("rate", rate, above=0.0, at_most=1000.0),
+        quality=choice("quality", quality, ("compact", "full")),
+        side_by_side=layout == "side by side" or (layout == "auto" and not same_arm),
+    )
+    pack = Pack()
+    held = document(shots, options, pack)
+    texts = {
+        "generator": "fotsmc_pin",
+        "title": title or " and ".join(dict.fromkeys(r.arm.name for r in recordings.values())),
+        "subtitle": " · ".join(recordings),
+        "error_unit": _unit(first.arm.position_units),
+        "torque_unit": _unit(first.arm.effort_units),
+        "key": _key(shots),
+        "facts": facts_list(_facts(recordings)),
+    }
+    write_text(path, page(held, pack.text(), texts))
+    return Path(path)
+
+
+def named_recordings(rec: Recordings) -> dict[str, Recording]:
+    """Return runs by name; unnamed ones are called after their controllers, and numbered if equal.
+
+    Raises:
+        ArgumentError: there is no run, or one without samples.
+    """
+    if isinstance(rec, Mapping):
+        recordings = {str(name): recording for name, recording in rec.items()}
+    else:
+        several = list(rec) if isinstance(rec, Sequence) else [rec]
+        recordings = {}
+        for recording in several:
+            name = base = run_name(recording)
+            number = 2
+            while name in recordings:
+                name, number = f"{base} ({number})", number + 1
+            recordings[name] = recording
+    if not recordings:
+        raise ArgumentError("rec", rec, "give at least one recording")
+    for name, recording in recordings.items():
+        if not isinstance(recording, Recording):
+            raise ArgumentError("rec", recording, "give a Recording, a list or a dict of them")
+        if len(recording.t) < 1:
+            raise ArgumentError("rec", name, "this recording has no samples")
+    return recordings
+
+
+def run_name(recording: Recording) -> str:
+    """Return what to call a run: its controller, else its arm."""
+    return str(recording.metadata.get("controller") or recording.arm.name)
+
+
+def _known_signals(
+    signals: Sequence[str] | None, recordings: Mapping[str, Recording]
+) -> list[str] | None:
+    if signals is None:
+        return None
+    for name in signals:
+        for recording in recordings.values():
+            if name not in recording.signals:
+                known = ", ".join(recording.signals) or "none"
+                raise ArgumentError("signals", name, f"recorded are: {known}")
+    return list(signals)
+
+
+def _unit(units: Sequence[str]) -> str:
+    return ", ".join(dict.fromkeys(units))
+
+
+def _key(shots: Sequence[Shot]) -> str:
+    """Return the legend of the 3D view as HTML."""
+    entries = [
+        f'<li><i class="line" style="background:{color}"></i>{html.escape(shot.name)}</li>'
+        for shot, color in zip(shots, RUN_COLORS * len(shots), strict=False)
+    ]
+    entries.append(f'<li><i class="line" style="background:{GHOST_COLOR}"></i>reference</li>')
+    return "".join(entries)
+
+
+def _facts(recordings: Mapping[str, Recording]) -> list[tuple[str, str]]:
+    facts = []
+    for name, recording in recordings.items():
+        arm = recording.arm
+        prefix = f"{name}: " if len(recordings) > 1 else ""
+        facts.append((f"{prefix}arm", f"{arm.name}, {arm.nv} joints"))
+        facts += [(f"{prefix}arm changed", change) for change in arm.changes]
+        facts += [(prefix + key, value) for key, value in _flat(recording.metadata)]
+    return facts
+
+
+def _flat(metadata: Mapping[str, Any], prefix: str = "") -> list[tuple[str, str]]:
+    """Return nested metadata as lines of name and value."""
+    lines = []
+    for key, value in metadata.items():
+        if isinstance(value, Mapping):
+            lines += _flat(value, f"{prefix}{key}.")
+        elif value is not None and value != "":
+            lines.append((f"{prefix}{key}", _text(value)))
+    return lines
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, float):
+        return f"{value:g}"
+    if isinstance(value, (list, tuple)):
+        return ", ".join(_text(item) for item in value)
+    return str(value)

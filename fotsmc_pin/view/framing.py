@@ -1,0 +1,117 @@
+"""Where the camera stands, from what the arm sweeps and how far it reaches."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from fotsmc_pin.arms import Arm
+    from fotsmc_pin.view.motion import Motion
+    from fotsmc_pin.view.visuals import Visual
+
+    Floats: TypeAlias = NDArray[np.float64]
+
+THREE_QUARTER_VIEW = np.array([0.84, 0.5, 0.36])
+FLAT = 0.08
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Framing:
+    """A view of an arm.
+
+    Attributes:
+        low: lowest corner of the box that the run sweeps (3,) [m].
+        high: its highest corner (3,) [m].
+        direction: unit vector from the arm to the camera (3,).
+        reach: distance from the base to the tool with the arm stretched out [m].
+        floor: height of the floor [m].
+    """
+
+    low: Floats
+    high: Floats
+    direction: Floats
+    reach: float
+    floor: float
+
+
+def framing(arm: Arm, visuals: Sequence[Visual], motions: Sequence[Motion]) -> Framing:
+    """Choose the view for an arm with these visuals, moving like this."""
+    corners = swept_points(visuals, motions)
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    reach = reach_of(arm)
+    base_height = float(motions[0].position[0, min(1, arm.nv), 2])
+    floor = 0.0 if low[2] > -0.05 * reach else float(low[2]) - 0.05 * reach
+    floor = min(floor, base_height)
+    paths = np.concatenate([m.position[:, 1:].reshape(-1, 3) for m in motions])
+    tools = np.concatenate([m.tool for m in motions])
+    return Framing(
+        low=low,
+        high=high,
+        direction=_direction(np.concatenate([paths, tools])),
+        reach=reach,
+        floor=floor,
+    )
+
+
+def swept_points(visuals: Sequence[Visual], motions: Sequence[Motion]) -> Floats:
+    """Return the corners (n, 3) of all visuals' boxes in some frames of the run [m]."""
+    points = [m.tool[_some(len(m.tool))] for m in motions]
+    for motion in motions:
+        rows = _some(len(motion.tool))
+        for visual in visuals:
+            low, high = visual.mesh.box
+            corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
+            local = low + corners * (high - low)
+            rotation = _rotations(motion.orientation[rows, visual.joint])
+            placed = local @ rotation.transpose(0, 2, 1) + motion.position[rows, None, visual.joint]
+            points.append(placed.reshape(-1, 3))
+    return np.concatenate(points)
+
+
+def reach_of(arm: Arm) -> float:
+    """Return the length of the chain from the first joint to the tool frame [m]."""
+    model = arm.model
+    frame = model.frames[model.getFrameId(arm.tool_frame)]
+    length = float(np.linalg.norm(frame.placement.translation))
+    joint = int(frame.parentJoint)
+    while int(model.parents[joint]) > 0:
+        length += float(np.linalg.norm(model.jointPlacements[joint].translation))
+        joint = int(model.parents[joint])
+    return max(length, 1e-2)
+
+
+def _direction(points: Floats) -> Floats:
+    """Look at a motion in a plane from the side that shows it; at any other from three quarters."""
+    spread, axes = np.linalg.eigh(np.cov(points.T))
+    normal = axes[:, 0]
+    middle = max(spread[1], 0.0)
+    if middle <= 0 or spread[0] > FLAT**2 * middle or abs(normal[2]) > 0.5:
+        return THREE_QUARTER_VIEW / np.linalg.norm(THREE_QUARTER_VIEW)
+    if normal @ THREE_QUARTER_VIEW < 0:
+        normal = -normal
+    side = np.cross([0.0, 0.0, 1.0], normal)
+    direction = normal + 0.35 * side + np.array([0.0, 0.0, 0.22])
+    return direction / np.linalg.norm(direction)
+
+
+def _some(count: int) -> NDArray[np.int64]:
+    return np.unique(np.linspace(0, count - 1, min(count, 40)).astype(np.int64))
+
+
+def _rotations(quaternions: Floats) -> Floats:
+    x, y, z, w = quaternions.T
+    return np.stack(
+        [
+            np.stack([1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)], axis=-1),
+            np.stack([2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)], axis=-1),
+            np.stack([2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)], axis=-1),
+        ],
+        axis=1,
+    )

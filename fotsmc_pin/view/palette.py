@@ -1,0 +1,16 @@
+"""Colours that colour-blind readers can tell apart, after Okabe and Ito (2008)."""
+
+BLUE = "#0072B2"
+VERMILLION = "#D55E00"
+GREEN = "#009E73"
+PURPLE = "#CC79A7"
+ORANGE = "#E69F00"
+SKY = "#56B4E9"
+YELLOW = "#F0E442"
+BLACK = "#000000"
+
+# In the order in which lines take them; yellow is too faint on white and stays out.
+COLORS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, BLACK)
+
+# Runs in a page are seen on light and on dark ground.
+RUN_COLORS = ("#2B8CD0", "#E0711A", "#12A378", "#CC79A7", "#C99700", "#7A7FE0", "#8A8F98")

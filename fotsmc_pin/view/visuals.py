@@ -1,0 +1,131 @@
+"""What an arm looks like: its URDF's visuals as meshes, or capsules where it has none."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from xml.etree.ElementTree import ParseError
+
+import numpy as np
+
+from fotsmc_pin.view import shapes
+from fotsmc_pin.view.collada import read_collada
+from fotsmc_pin.view.meshes import Mesh
+from fotsmc_pin.view.skeleton import skeleton
+from fotsmc_pin.view.stl import read_stl
+
+if TYPE_CHECKING:
+    from fotsmc_pin.arms import Arm
+    from fotsmc_pin.view.meshes import Color
+
+# Links that `perturb` hangs on an arm show a ball; they alone do not make a picture of the arm.
+PAYLOAD = "payload_"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Visual:
+    """A mesh that is fixed to a joint.
+
+    Attributes:
+        name: the URDF's name for it.
+        joint: index of the joint in the model; 0 is the world.
+        mesh: the triangles, in the joint's frame [m].
+    """
+
+    name: str
+    joint: int
+    mesh: Mesh
+
+
+def visuals_of(arm: Arm) -> list[Visual]:
+    """Return everything that shows of `arm`; an arm without visuals is drawn from its joints."""
+    geometry = arm.visual_model()
+    found = [_visual(item) for item in geometry.geometryObjects]
+    drawn = [visual for visual in found if visual is not None]
+    if any(not visual.name.startswith(PAYLOAD) for visual in drawn):
+        return drawn
+    bones = [
+        Visual(name=name, joint=joint, mesh=mesh)
+        for name, joint, mesh in skeleton(arm.model, arm.tool_frame)
+    ]
+    return bones + drawn
+
+
+def _visual(item: Any) -> Visual | None:
+    mesh = _mesh(item)
+    if mesh is None or not len(mesh.faces):
+        return None
+    if item.overrideMaterial:
+        mesh = mesh.painted(_color(item.meshColor))
+    placed = Mesh(
+        vertices=mesh.vertices @ item.placement.rotation.T + item.placement.translation,
+        faces=mesh.faces,
+        paint=mesh.paint,
+    )
+    return Visual(name=item.name, joint=int(item.parentJoint), mesh=placed)
+
+
+def _color(rgba: np.ndarray) -> Color:
+    red, green, blue, alpha = (float(x) for x in np.clip(rgba, 0.0, 1.0))
+    return (round(red, 4), round(green, 4), round(blue, 4), round(alpha, 4))
+
+
+def _mesh(item: Any) -> Mesh | None:
+    """Return the triangles of a geometry object in its own frame, or None where it has no size."""
+    import coal
+
+    shape = item.geometry
+    if isinstance(shape, coal.BVHModelBase):
+        return _from_file(item) or _from_triangles(shape)
+    if isinstance(shape, coal.Box):
+        return shapes.box(shape.halfSide)
+    if isinstance(shape, coal.Sphere):
+        return shapes.sphere(shape.radius)
+    if isinstance(shape, coal.Cylinder):
+        return shapes.cylinder(shape.radius, shape.halfLength)
+    if isinstance(shape, coal.Capsule):
+        return shapes.capsule(shape.radius, shape.halfLength)
+    if isinstance(shape, coal.Cone):
+        return shapes.cone(shape.radius, shape.halfLength)
+    if isinstance(shape, coal.Ellipsoid):
+        return shapes.ellipsoid(shape.radii)
+    return _bounding_box(shape)
+
+
+def _from_file(item: Any) -> Mesh | None:
+    """Read the mesh's file for its colours; None where that does not give Pinocchio's triangles."""
+    path = Path(item.meshPath)
+    readers = {".dae": read_collada, ".stl": read_stl}
+    reader = readers.get(path.suffix.lower())
+    if reader is None or not path.is_file():
+        return None
+    try:
+        mesh = reader(path)
+    except (ValueError, ParseError, OSError):
+        return None
+    scaled = Mesh(vertices=mesh.vertices * item.meshScale, faces=mesh.faces, paint=mesh.paint)
+    item.geometry.computeLocalAABB()
+    expected = np.stack([item.geometry.aabb_local.min_, item.geometry.aabb_local.max_])
+    used = scaled.vertices[np.unique(scaled.faces)]
+    read = np.stack([used.min(axis=0), used.max(axis=0)])
+    same = np.allclose(read, expected, atol=1e-3 * float(np.ptp(expected, axis=0).max()))
+    return scaled if same else None
+
+
+def _from_triangles(shape: Any) -> Mesh:
+    faces = np.array(
+        [[t[0], t[1], t[2]] for t in map(shape.tri_indices, range(shape.num_tris))], dtype=np.int64
+    )
+    vertices = np.array(shape.vertices(), dtype=np.float64).reshape(-1, 3)
+    return Mesh(vertices=vertices, faces=faces, paint=((shapes.GREY, len(faces)),))
+
+
+def _bounding_box(shape: Any) -> Mesh | None:
+    """Stand in for shapes that are rare in URDFs; a plane or half-space has no box."""
+    shape.computeLocalAABB()
+    low, high = np.array(shape.aabb_local.min_), np.array(shape.aabb_local.max_)
+    if not (np.isfinite(low).all() and np.isfinite(high).all()) or np.abs(high - low).max() > 1e6:
+        return None
+    block = shapes.box((high - low) / 2)
+    return Mesh(vertices=block.vertices + (low + high) / 2, faces=block.faces, paint=block.paint)
