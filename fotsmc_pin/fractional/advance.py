@@ -8,17 +8,23 @@ where the `f_m` describe the kernel's input on the newest interval (`interval.ke
 output is affine in the newest sample, which `predict` uses. Arguments are trusted here.
 
     advance(coefficients, memory, x, dt, y)                 y in place
-    gain = predict(coefficients, memory, dt, y_history)     y = y_history + gain x, state untouched
+    gain = predict(coefficients, memory, dt, y_history)     y = y_history + gain x, memory untouched
     commit(coefficients, memory, x, dt)                     stores the sample
+
+`coefficients` and `memory` are those of a `Stream`, `dt` [s] is the time since the last sample, and
+`x`, `y`, `y_history` have one entry per signal.
 """
 
 from __future__ import annotations
 
+import math
+from typing import TYPE_CHECKING, TypeAlias
+
 from fotsmc_pin.compiled import kernel
 from fotsmc_pin.fractional.interval import (
+    decay_table,
     kernel_input,
     local_moments,
-    mode_decay,
     mode_response,
     response_table,
 )
@@ -41,85 +47,117 @@ from fotsmc_pin.fractional.layout import (
     START_GAIN,
 )
 
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Array: TypeAlias = NDArray[np.float64]
+
 
 @kernel
-def advance(coefficients, memory, x, dt, y):  # type: ignore[no-untyped-def]
-    """Take the sample `x` (n,), measured `dt` [s] after the last one, and write the output to `y`."""
-    gain = predict(coefficients, memory, dt, y)
-    for j in range(memory.shape[0]):
+def advance(coefficients: Array, memory: Array, x: Array, dt: float, y: Array) -> None:
+    """Take the next sample and write the output to `y`: `predict` and `commit` in one."""
+    if memory[0, COUNT] == 0.0 or dt == coefficients[HEADER, PERIOD]:
+        gain = predict(coefficients, memory, dt, y)
+        commit(coefficients, memory, x, dt)
+    else:
+        table = response_table(coefficients, dt)
+        _recall(memory, table, y)
+        gain = _add_newest_interval(coefficients, memory, dt, y)
+        _store(coefficients, memory, x, dt, table)
+    for j in range(x.size):
         y[j] += gain * x[j]
-    commit(coefficients, memory, x, dt)
 
 
 @kernel
-def predict(coefficients, memory, dt, y_history):  # type: ignore[no-untyped-def]
-    """Write what the past contributes to the next output; return the gain of the next sample.
+def predict(coefficients: Array, memory: Array, dt: float, y_history: Array) -> float:
+    """Write what the past adds to the next output; return the gain of the next sample.
 
-    The output for a sample `x` that comes after `dt` [s] is `y_history + gain * x`. The memory stays
-    as it is.
+    The output for a sample `x` after `dt` is `y_history + gain x`. The memory stays as it is.
     """
-    header = coefficients[HEADER]
-    count = memory[0, COUNT]
-    if count == 0.0:
+    if memory[0, COUNT] == 0.0:
         y_history[:] = 0.0
-        return header[START_GAIN]
-    nominal = dt == header[PERIOD]
-    if nominal:
-        l0, l1, l2 = header[LOCAL], header[LOCAL + 1], header[LOCAL + 2]
+        return float(coefficients[HEADER, START_GAIN])
+    if dt == coefficients[HEADER, PERIOD]:
         for j in range(memory.shape[0]):
             y_history[j] = memory[j, HISTORY]
     else:
-        l0, l1, l2 = local_moments(header, dt)
-        y_history[:] = 0.0
-        for k in range(int(header[MODES])):
-            decay = mode_decay(coefficients, k, dt)
-            for j in range(memory.shape[0]):
-                y_history[j] += decay * memory[j, FIRST_MODE + k]
+        _recall(memory, decay_table(coefficients, dt), y_history)
+    return _add_newest_interval(coefficients, memory, dt, y_history)
 
+
+@kernel
+def commit(coefficients: Array, memory: Array, x: Array, dt: float) -> None:
+    """Store the next sample."""
+    if memory[0, COUNT] == 0.0:
+        _start(coefficients, memory, x)
+    elif dt == coefficients[HEADER, PERIOD]:
+        _store(coefficients, memory, x, dt, coefficients[DECAY : GAIN + 3])
+    else:
+        _store(coefficients, memory, x, dt, response_table(coefficients, dt))
+
+
+@kernel
+def advance_if_finite(coefficients: Array, memory: Array, x: Array, dt: float, y: Array) -> bool:
+    """Call `advance` if every entry of `x` is finite; otherwise leave all as it is."""
+    for j in range(x.size):
+        if not math.isfinite(x[j]):
+            return False
+    advance(coefficients, memory, x, dt, y)
+    return True
+
+
+@kernel
+def advance_many(
+    coefficients: Array, memory: Array, rows: Array, periods: Array, values: Array
+) -> None:
+    """Call `advance` for each row."""
+    for i in range(rows.shape[0]):
+        advance(coefficients, memory, rows[i], periods[i], values[i])
+
+
+@kernel(sums_in_any_order=True)
+def _recall(memory: Array, table: Array, y: Array) -> None:
+    """Write the modes' share of the output to `y`; the first row of `table` holds their decays."""
+    decay = table[0]
+    for j in range(memory.shape[0]):
+        modes = memory[j, FIRST_MODE:]
+        total = 0.0
+        for k in range(decay.size):
+            total += decay[k] * modes[k]
+        y[j] = total
+
+
+@kernel
+def _add_newest_interval(coefficients: Array, memory: Array, dt: float, y: Array) -> float:
+    """Add the known part of the newest interval to `y`; return the gain of the newest sample."""
+    header = coefficients[HEADER]
+    if dt == header[PERIOD]:
+        l0, l1, l2 = header[LOCAL], header[LOCAL + 1], header[LOCAL + 2]
+    else:
+        l0, l1, l2 = local_moments(header, dt)
     f0, f1, f2 = kernel_input(header, dt, 1.0, 0.0, 0.0)
     value_gain = l0 * f0 + l1 * f1 + l2 * f2
     f0, f1, f2 = kernel_input(header, dt, 0.0, 1.0, 0.0)
     gain = value_gain + l0 * f0 + l1 * f1 + l2 * f2
-    bend, ratio = _curvature_weights(header, memory, dt)
+    bend, ratio = _curvature(header, memory, dt)
     if bend != 0.0:
         f0, f1, f2 = kernel_input(header, dt, 0.0, 0.0, 1.0)
-        curvature_gain = l0 * f0 + l1 * f1 + l2 * f2
-        if count == 2.0:
-            for k in range(int(header[MODES])):
-                decay = mode_decay(coefficients, k, dt)
-                curvature_gain += decay * _first_interval(coefficients, memory, k, ratio)
-        bend *= curvature_gain
+        bend_gain = l0 * f0 + l1 * f1 + l2 * f2
+        if memory[0, COUNT] == 2.0:
+            decays = decay_table(coefficients, dt)
+            for k in range(decays.shape[1]):
+                bend_gain += decays[0, k] * _bent_first_interval(coefficients, memory, k, ratio)
+        bend *= bend_gain
     gain += bend
-    bend *= ratio
     for j in range(memory.shape[0]):
         last = memory[j, LAST]
-        y_history[j] += (value_gain - gain) * last - bend * (last - memory[j, BEFORE_LAST])
-    return gain
+        y[j] += (value_gain - gain) * last - bend * ratio * (last - memory[j, BEFORE_LAST])
+    return float(gain)
 
 
 @kernel
-def commit(coefficients, memory, x, dt):  # type: ignore[no-untyped-def]
-    """Store the sample `x` (n,), measured `dt` [s] after the last one."""
-    header = coefficients[HEADER]
-    count = memory[0, COUNT]
-    if count == 0.0:
-        _start(coefficients, memory, x)
-    else:
-        bend, ratio = _curvature_weights(header, memory, dt)
-        if bend != 0.0 and count == 2.0:
-            _bend_first_interval(coefficients, memory, x, bend, ratio)
-        if dt == header[PERIOD]:
-            table = coefficients[DECAY : GAIN + 3]
-            _store(coefficients, memory, x, dt, bend, ratio, table)
-        else:
-            table = response_table(coefficients, dt)
-            _store(coefficients, memory, x, dt, bend, ratio, table)
-        memory[0, LAST_PERIOD] = dt
-    memory[0, COUNT] = count + 1.0
-
-
-@kernel
-def _start(coefficients, memory, x):  # type: ignore[no-untyped-def]
+def _start(coefficients: Array, memory: Array, x: Array) -> None:
     """Take the first sample."""
     for j in range(memory.shape[0]):
         memory[j, LAST] = memory[j, BEFORE_LAST] = x[j]
@@ -128,31 +166,40 @@ def _start(coefficients, memory, x):  # type: ignore[no-untyped-def]
             mode = coefficients[START, k] * x[j]
             memory[j, FIRST_MODE + k] = mode
             memory[j, HISTORY] += coefficients[DECAY, k] * mode
+    memory[0, COUNT] = 1.0
 
 
-@kernel
-def _store(coefficients, memory, x, dt, bend, ratio, table):  # type: ignore[no-untyped-def]
+@kernel(sums_in_any_order=True)
+def _store(coefficients: Array, memory: Array, x: Array, dt: float, table: Array) -> None:
     """Move the modes over the newest interval, whose decays and gains are the rows of `table`."""
     header = coefficients[HEADER]
+    bend, ratio = _curvature(header, memory, dt)
+    if bend != 0.0 and memory[0, COUNT] == 2.0:
+        _bend_first_interval(coefficients, memory, x, bend, ratio)
+    decay, g0, g1, g2 = table[0], table[1], table[2], table[3]
+    nominal_decay = coefficients[DECAY]
+    number = int(header[MODES])
     for j in range(memory.shape[0]):
         last = memory[j, LAST]
         difference = x[j] - last
         curvature = bend * (difference - ratio * (last - memory[j, BEFORE_LAST]))
         f0, f1, f2 = kernel_input(header, dt, x[j], difference, curvature)
+        modes = memory[j, FIRST_MODE:]
         history = 0.0
-        for k in range(int(header[MODES])):
-            mode = table[0, k] * memory[j, FIRST_MODE + k]
-            mode += table[1, k] * f0 + table[2, k] * f1 + table[3, k] * f2
-            memory[j, FIRST_MODE + k] = mode
-            history += coefficients[DECAY, k] * mode
+        for k in range(number):
+            mode = decay[k] * modes[k] + g0[k] * f0 + g1[k] * f1 + g2[k] * f2
+            modes[k] = mode
+            history += nominal_decay[k] * mode
         memory[j, HISTORY] = history
         memory[j, BEFORE_LAST] = last
         memory[j, LAST] = x[j]
+    memory[0, LAST_PERIOD] = dt
+    memory[0, COUNT] += 1.0
 
 
 @kernel
-def _curvature_weights(header, memory, dt):  # type: ignore[no-untyped-def]
-    """Return `b` and `r = h/h'` such that `curvature = b (x_n - x_{n-1} - r (x_{n-1} - x_{n-2}))`.
+def _curvature(header: Array, memory: Array, dt: float) -> tuple[float, float]:
+    """Return `b` and `r = h/h'` in `curvature = b (x_n - x_{n-1} - r (x_{n-1} - x_{n-2}))`.
 
     `b = 0` where the input is taken as linear: with two samples nothing else is known.
     """
@@ -163,23 +210,25 @@ def _curvature_weights(header, memory, dt):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _first_interval(coefficients, memory, k, ratio):  # type: ignore[no-untyped-def]
-    """Return what the curvature of the first interval would have added to mode `k`.
+def _bent_first_interval(coefficients: Array, memory: Array, k: int, ratio: float) -> float:
+    """Return what the first interval adds to mode `k`, per unit of the second one's curvature.
 
-    It was taken as linear. The third sample shows the curvature, which is 1/ratio² times that of the
-    second interval, in units of the intervals.
+    The first interval was taken as linear. The third sample shows its curvature, which is that of
+    the second interval over ratio², as curvatures are measured per interval.
     """
     period = memory[0, LAST_PERIOD]
     _, g0, g1, g2 = mode_response(coefficients, k, period)
     f0, f1, f2 = kernel_input(coefficients[HEADER], period, 0.0, 0.0, 1.0 / (ratio * ratio))
-    return g0 * f0 + g1 * f1 + g2 * f2
+    return float(g0 * f0 + g1 * f1 + g2 * f2)
 
 
 @kernel
-def _bend_first_interval(coefficients, memory, x, bend, ratio):  # type: ignore[no-untyped-def]
+def _bend_first_interval(
+    coefficients: Array, memory: Array, x: Array, bend: float, ratio: float
+) -> None:
     """Give the modes the curvature of the first interval, once the third sample is there."""
     for k in range(int(coefficients[HEADER, MODES])):
-        response = _first_interval(coefficients, memory, k, ratio)
+        response = _bent_first_interval(coefficients, memory, k, ratio)
         for j in range(memory.shape[0]):
             last = memory[j, LAST]
             curvature = bend * (x[j] - last - ratio * (last - memory[j, BEFORE_LAST]))

@@ -1,12 +1,13 @@
 """Exact integrals over one sampling interval, for an input that is a polynomial there.
 
-Inside an interval of length `h` the input of the kernel is `f_0 + f_1 ξ + f_2 ξ²`, where `ξ ∈ [0, 1]`
-runs backwards from the new sample in units of `h`.
+Inside an interval of length `h` the input of the kernel is `f_0 + f_1 ξ + f_2 ξ²`, where `ξ`
+runs from 0 to 1 backwards from the new sample in units of `h`.
 """
 
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -24,9 +25,17 @@ from fotsmc_pin.fractional.layout import (
     WEIGHT,
 )
 
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Array: TypeAlias = NDArray[np.float64]
+    Three: TypeAlias = tuple[float, float, float]
+
 
 @kernel
-def kernel_input(header, period, value, difference, curvature):  # type: ignore[no-untyped-def]
+def kernel_input(
+    header: Array, period: float, value: float, difference: float, curvature: float
+) -> Three:
     """Return `f_0, f_1, f_2`, linear in the three numbers that describe `x` on the interval.
 
     The input is `x(ξ) = value - difference ξ + curvature (ξ² - ξ)`. An integral hands `x` to its
@@ -49,7 +58,7 @@ def kernel_input(header, period, value, difference, curvature):  # type: ignore[
 
 
 @kernel
-def exponential_moments(z, decay):  # type: ignore[no-untyped-def]
+def exponential_moments(z: float, decay: float) -> Three:
     """Return `∫_0^1 e^{-zξ} ξ^m dξ` for m = 0, 1, 2, where `decay = e^{-z}`."""
     if z < 1.0:
         term, second, j = 1.0, 1.0 / 3.0, 1
@@ -65,7 +74,7 @@ def exponential_moments(z, decay):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def local_moments(header, period):  # type: ignore[no-untyped-def]
+def local_moments(header: Array, period: float) -> Three:
     """Return `h ∫_0^1 k(hξ) ξ^m dξ` for m = 0, 1, 2 with `k(t) = e^{-σt} t^{-β}/Γ(1-β)`."""
     exponent = header[EXPONENT]
     if exponent == 1.0:
@@ -91,7 +100,7 @@ def local_moments(header, period):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def mode_response(coefficients, k, period):  # type: ignore[no-untyped-def]
+def mode_response(coefficients: Array, k: int, period: float) -> tuple[float, float, float, float]:
     """Return the decay of mode `k` over a period, and what `f_0, f_1, f_2` add to it."""
     header = coefficients[HEADER]
     rate, weight = coefficients[RATE, k], coefficients[WEIGHT, k]
@@ -106,20 +115,24 @@ def mode_response(coefficients, k, period):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def mode_decay(coefficients, k, period):  # type: ignore[no-untyped-def]
-    """Return the decay of mode `k` over a period."""
-    header = coefficients[HEADER]
-    if header[SCHEME] == GRUNWALD_LETNIKOV:
-        fade = math.exp(-header[TEMPERING] * period)
-        return fade / (1.0 + coefficients[RATE, k] * period)
-    return math.exp(-(coefficients[RATE, k] + header[TEMPERING]) * period)
+def response_table(coefficients: Array, period: float) -> Array:
+    """Return decays and gains of all modes over a period, (4, modes)."""
+    table = np.empty((4, int(coefficients[HEADER, MODES])))
+    for k in range(table.shape[1]):
+        table[0, k], table[1, k], table[2, k], table[3, k] = mode_response(coefficients, k, period)
+    return table
 
 
 @kernel
-def response_table(coefficients, period):  # type: ignore[no-untyped-def]
-    """Return decays and gains of all modes over a period, (4, modes)."""
-    modes = int(coefficients[HEADER, MODES])
-    table = np.empty((4, modes))
-    for k in range(modes):
-        table[0, k], table[1, k], table[2, k], table[3, k] = mode_response(coefficients, k, period)
+def decay_table(coefficients: Array, period: float) -> Array:
+    """Return the decays of all modes over a period, (1, modes)."""
+    header = coefficients[HEADER]
+    table = np.empty((1, int(header[MODES])))
+    fade = math.exp(-header[TEMPERING] * period)
+    for k in range(table.shape[1]):
+        rate = coefficients[RATE, k]
+        if header[SCHEME] == GRUNWALD_LETNIKOV:
+            table[0, k] = fade / (1.0 + rate * period)
+        else:
+            table[0, k] = math.exp(-(rate + header[TEMPERING]) * period)
     return table

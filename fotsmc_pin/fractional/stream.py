@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from fotsmc_pin.checks import finite_vector
+from fotsmc_pin.checks import finite_number, finite_vector
 from fotsmc_pin.errors import ArgumentError
-from fotsmc_pin.fractional.advance import advance
+from fotsmc_pin.fractional.advance import advance_if_finite, advance_many
 from fotsmc_pin.fractional.layout import FIRST_MODE, HEADER, MODES, PERIOD
 
 if TYPE_CHECKING:
@@ -23,47 +22,82 @@ if TYPE_CHECKING:
 class Stream:
     """`n` signals on their way through one fractional operator; memory and cost never grow.
 
+    Made by `FractionalDerivative.stream` and `FractionalIntegral.stream`. Compiled code passes
+    `coefficients` and `memory` to `fractional.advance`.
+
     Attributes:
-        coefficients: read-only table of the operator, shared by all its streams.
-        memory: the whole state, (n, columns). Copying it saves the stream, copying it back restores
-            it bit for bit.
+        coefficients: table of the operator, read-only, shared by all its streams.
+        memory: the whole state, (n, columns). Copying it saves the stream, and copying it back
+            restores the stream bit for bit.
     """
 
-    __slots__ = ("_period", "coefficients", "memory")
+    __slots__ = ("coefficients", "memory")
 
     def __init__(self, coefficients: Array, n: int) -> None:
+        """Start `n` signals, with `coefficients` laid out as in `fractional.layout`."""
         self.coefficients = coefficients
         self.memory = np.zeros((n, FIRST_MODE + int(coefficients[HEADER, MODES])))
-        self._period = float(coefficients[HEADER, PERIOD])
 
     @property
     def n(self) -> int:
         """Number of signals."""
         return self.memory.shape[0]
 
+    @property
+    def dt(self) -> float:
+        """Nominal period [s]."""
+        return float(self.coefficients[HEADER, PERIOD])
+
     def update(self, x: ArrayLike, dt: float | None = None) -> Array:
-        """Take the next sample and return the operator's value there.
+        """Take the next sample and return the value of the operator there.
 
         Args:
             x: the sample, (n,).
-            dt: measured time since the last sample [s]; the nominal period if left out. The first
-                sample has none before it: its `dt` is not used.
+            dt: measured time since the last sample [s]; the nominal period if left out. Nothing
+                came before the first sample, which makes no use of it.
 
         Returns:
             The value, (n,), a new array.
 
         Raises:
             ArgumentError: the sample is not finite or has another shape, or the period is not
-                positive. The state stays as it was.
+                above zero. The state stays as it was.
         """
-        sample = finite_vector("x", x, self.memory.shape[0])
-        if dt is None:
-            dt = self._period
-        elif not 0.0 < dt < math.inf:
-            raise ArgumentError("dt", dt, "give the time since the last sample, above 0 s")
-        y = np.empty_like(sample)
-        advance(self.coefficients, self.memory, sample, dt, y)
+        sample = self._sample(x)
+        period = self.dt if dt is None else finite_number("dt", dt, above=0)
+        y = np.empty(self.memory.shape[0])
+        if not advance_if_finite(self.coefficients, self.memory, sample, period, y):
+            raise ArgumentError("x", x, "every entry must be finite")
         return y
+
+    def update_many(self, samples: ArrayLike, dt: ArrayLike | None = None) -> Array:
+        """Take many samples at once, as `update` would one by one.
+
+        Args:
+            samples: one sample per row, (N, n).
+            dt: measured time before each sample [s], (N,) or one for all.
+
+        Returns:
+            One value per row, (N, n).
+
+        Raises:
+            ArgumentError: as `update`; the state stays as it was before the first row.
+        """
+        rows = np.array(samples, dtype=np.float64)
+        if rows.ndim != 2 or rows.shape[1] != self.n:
+            raise ArgumentError("samples", rows.shape, f"give one sample of {self.n} per row")
+        if not np.isfinite(rows).all():
+            raise ArgumentError("samples", samples, "every entry must be finite")
+        periods = np.empty(len(rows))
+        try:
+            periods[:] = self.dt if dt is None else dt
+        except (TypeError, ValueError):
+            raise ArgumentError("dt", dt, f"give one period, or {len(rows)} of them") from None
+        if not (np.isfinite(periods) & (periods > 0)).all():
+            raise ArgumentError("dt", dt, "every period must be above 0 s")
+        values = np.empty_like(rows)
+        advance_many(self.coefficients, self.memory, rows, periods, values)
+        return values
 
     def reset(self) -> None:
         """Forget everything; the next sample is a first one."""
@@ -80,12 +114,36 @@ class Stream:
         return {"coefficients": self.coefficients.copy(), "memory": self.memory.copy()}
 
     def from_arrays(self, arrays: Mapping[str, ArrayLike]) -> None:
-        """Take over a state that `to_arrays` gave, and go on from there bit for bit.
+        """Take over what `to_arrays` gave, and go on from there bit for bit.
+
+        The coefficients come along, since those of another machine may differ in the last bit.
 
         Raises:
-            ArgumentError: the arrays come from another operator or another number of signals.
+            ArgumentError: the arrays belong to another operator or another number of signals.
         """
-        memory = np.asarray(arrays["memory"], dtype=np.float64)
+        missing = {"coefficients", "memory"} - set(arrays)
+        if missing:
+            raise ArgumentError(
+                "arrays", sorted(arrays), f"give {' and '.join(sorted(missing))} too"
+            )
+        coefficients = np.array(arrays["coefficients"], dtype=np.float64)
+        memory = np.array(arrays["memory"], dtype=np.float64)
         if memory.shape != self.memory.shape:
             raise ArgumentError("memory", memory.shape, f"give shape {self.memory.shape}")
+        if coefficients.shape != self.coefficients.shape or not np.allclose(
+            coefficients, self.coefficients, rtol=1e-9, atol=1e-300
+        ):
+            raise ArgumentError("coefficients", coefficients, "give those of this very operator")
+        coefficients.setflags(write=False)
+        self.coefficients = coefficients
         self.memory[:] = memory
+
+    def _sample(self, x: ArrayLike) -> Array:
+        """Return a fresh float64 copy of `x` of shape (n,)."""
+        try:
+            sample = np.array(x, dtype=np.float64)
+        except (TypeError, ValueError):
+            return finite_vector("x", x, self.n)
+        if sample.shape != self.memory.shape[:1]:
+            return finite_vector("x", x, self.n)
+        return sample
