@@ -1,5 +1,27 @@
 """Seeing a run: the offline Meshcat page, and figures for papers."""
 
 from fotsmc_pin.view.export import export_html
+from fotsmc_pin.view.figures import (
+    comparison_figure,
+    overview_figure,
+    signal_figure,
+    torque_figure,
+    tracking_figure,
+    velocity_figure,
+)
+from fotsmc_pin.view.plot import plot
+from fotsmc_pin.view.style import new_figure, paper_style, save_figure
 
-__all__ = ["export_html"]
+__all__ = [
+    "comparison_figure",
+    "export_html",
+    "new_figure",
+    "overview_figure",
+    "paper_style",
+    "plot",
+    "save_figure",
+    "signal_figure",
+    "torque_figure",
+    "tracking_figure",
+    "velocity_figure",
+]

@@ -13,4 +13,4 @@ BLACK = "#000000"
 COLORS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, BLACK)
 
 # Runs in a page are seen on light and on dark ground.
-RUN_COLORS = ("#2B8CD0", "#E0711A", "#12A378", "#CC79A7", "#C99700", "#7A7FE0", "#8A8F98")
+RUN_COLORS = ("#E0661A", "#12A378", "#C76BA0", "#C99700", "#7A7FE0", "#8A8F98")

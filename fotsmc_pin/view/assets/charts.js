@@ -69,10 +69,11 @@ class Chart {
           values: (_, ticks) => ticks.map((v) => (v === null ? "" : shortNumber(v))),
         },
       ],
+      pxAlign: 0,
       series: [
         {},
-        ...content.lines.map(({ label, color, dash }) => ({
-          label, stroke: color, width: 1.4, dash, points: { show: false }, spanGaps: true,
+        ...content.lines.map(({ label, color }) => ({
+          label, stroke: color, width: 1.4, pxAlign: 0, points: { show: false }, spanGaps: true,
         })),
       ],
       hooks: { draw: [(plot) => limits.forEach((limit) => drawLimit(plot, limit))] },
