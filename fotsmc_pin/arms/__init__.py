@@ -2,8 +2,9 @@
 
 from fotsmc_pin.arms.arm import Arm
 from fotsmc_pin.arms.draw import Uniform
+from fotsmc_pin.arms.inspection import Inspection, inspect_arm
 from fotsmc_pin.arms.load import load_arm
 from fotsmc_pin.arms.payload import Payload
 from fotsmc_pin.arms.perturbation import perturb
 
-__all__ = ["Arm", "Payload", "Uniform", "load_arm", "perturb"]
+__all__ = ["Arm", "Inspection", "Payload", "Uniform", "inspect_arm", "load_arm", "perturb"]

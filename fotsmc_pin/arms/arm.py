@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -13,11 +12,13 @@ import pinocchio as pin
 
 from fotsmc_pin.arms.inertia import check_moving_bodies
 from fotsmc_pin.arms.markup import parse_urdf
+from fotsmc_pin.arms.model import build_model
 from fotsmc_pin.arms.properties import read_properties
 from fotsmc_pin.arms.tree import UrdfTree
 from fotsmc_pin.arms.visuals import visual_model
 from fotsmc_pin.checks import finite_vector
 from fotsmc_pin.errors import ArgumentError
+from fotsmc_pin.files import write_text
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -49,7 +50,7 @@ class Arm:
         urdf: the whole arm as URDF text; locked joints are fixed ones, overrides are written in.
         name: what to call it.
         package_dirs: folders in which `package://` addresses of meshes are looked up.
-        tool_frame: name of the frame at the tool.
+        tool_frame: name of the link at the tool.
         changes: what `perturb` did, in plain words.
         notes: what loading decided, in plain words (joints locked, numbers filled in).
     """
@@ -64,8 +65,8 @@ class Arm:
     def __post_init__(self) -> None:
         """Build the model now, so that a bad URDF fails here."""
         check_moving_bodies(self.tree)
-        if not self.model.existFrame(self.tool_frame):
-            known = ", ".join(frame.name for frame in self.model.frames[1:])
+        if self.tool_frame not in self.tree.links:
+            known = ", ".join(self.tree.links)
             raise ArgumentError("tool_frame", self.tool_frame, f"choose one of {known}")
 
     def __repr__(self) -> str:
@@ -145,6 +146,11 @@ class Arm:
     def effort_units(self) -> tuple[str, ...]:
         """Unit of each joint's effort: "N·m", or "N" for a prismatic joint."""
         return tuple("N" if unit == "m" else "N·m" for unit in self.position_units)
+
+    @cached_property
+    def tool_frame_id(self) -> int:
+        """Index of the tool frame among `model.frames`; a joint may bear the same name."""
+        return int(self.model.getFrameId(self.tool_frame, pin.FrameType.BODY))
 
     # Numbers per joint
 
@@ -266,14 +272,8 @@ class Arm:
         Raises:
             OSError: the file cannot be written.
         """
-        path = Path(path)
-        part = path.with_name(f".{path.name}.{os.getpid()}.part")
-        try:
-            part.write_text(self.urdf, encoding="utf-8")
-            part.replace(path)
-        finally:
-            part.unlink(missing_ok=True)
-        return path
+        write_text(path, self.urdf)
+        return Path(path)
 
     def visual_model(self) -> pin.GeometryModel:
         """Return what the arm looks like; its meshes are read on the first call.
@@ -298,34 +298,6 @@ class Arm:
 
     def _tangent(self, name: str, vector: ArrayLike) -> Vector:
         return finite_vector(name, vector, self.nv)
-
-
-def build_model(tree: UrdfTree, urdf: str) -> pin.Model:
-    """Return Pinocchio's model of a URDF, with armature and limits as `Arm` reads them.
-
-    Raises:
-        UrdfError: the parser behind Pinocchio refuses the text.
-    """
-    try:
-        model = pin.buildModelFromXML(urdf)
-    except (ValueError, RuntimeError) as error:
-        raise tree.fail(f"Pinocchio cannot read it: {error}") from None
-    armature = np.zeros(model.nv)
-    effort, velocity = np.full(model.nv, np.inf), np.full(model.nv, np.inf)
-    lower, upper = model.lowerPositionLimit.copy(), model.upperPositionLimit.copy()
-    for number in range(1, model.njoints):
-        joint = model.joints[number]
-        found = read_properties(tree, tree.joints[model.names[number]])
-        armature[joint.idx_v] = found.armature
-        effort[joint.idx_v], velocity[joint.idx_v] = found.effort_limit, found.velocity_limit
-        if joint.nq == 1:
-            lower[joint.idx_q] = found.lower_position_limit
-            upper[joint.idx_q] = found.upper_position_limit
-    model.armature = armature
-    model.upperEffortLimit, model.lowerEffortLimit = effort, -effort
-    model.upperVelocityLimit, model.lowerVelocityLimit = velocity, -velocity
-    model.lowerPositionLimit, model.upperPositionLimit = lower, upper
-    return model
 
 
 def _frozen(vector: Vector) -> Vector:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
+import os
 import sys
 from dataclasses import dataclass
 from importlib import metadata
@@ -61,7 +62,7 @@ def find_source(source: str | Path) -> Source:
     if path.is_file():
         return Source(path=path)
     name = str(source)
-    if isinstance(source, Path) or path.suffix or len(path.parts) != 1:
+    if isinstance(source, Path) or path.suffix or {"/", os.sep} & {*name}:
         what = "is a folder" if path.is_dir() else "does not exist"
         raise ArmNotFoundError(f"the file {name!r} {what}; give the path of a URDF file")
     found = _bundled(name) or _example_robot(name) or _robot_description(name)
@@ -77,8 +78,15 @@ def find_source(source: str | Path) -> Source:
 def known_names() -> tuple[str, ...]:
     """Return the names that load on this machine, robot_descriptions left out."""
     robots = example_robots_folder()
-    installed = () if robots is None else tuple(EXAMPLE_ROBOTS)
-    return (*BUNDLED, *(name for name in installed if (robots / EXAMPLE_ROBOTS[name]).is_file()))
+    if robots is None:
+        return tuple(BUNDLED)
+    return (*BUNDLED, *(name for name, file in EXAMPLE_ROBOTS.items() if (robots / file).is_file()))
+
+
+def shared_folders() -> tuple[Path, ...]:
+    """Return the folders in which installed packages of robots lie."""
+    robots = example_robots_folder()
+    return () if robots is None else (robots.parents[1],)
 
 
 def urdf_folder() -> Path:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -39,6 +39,7 @@ class Uniform:
 
 Number: TypeAlias = "float | Uniform"
 PerLink: TypeAlias = "Number | Mapping[str, Number]"
+Value = TypeVar("Value")
 
 
 class Draw:
@@ -48,6 +49,7 @@ class Draw:
     """
 
     def __init__(self, seed: int | None) -> None:
+        """Start with a seed; without one, whatever is drawn fails."""
         self.seed = None if seed is None else count("seed", seed, at_least=0)
         self.used = False
 
@@ -60,6 +62,7 @@ class Stream:
     """Draws for one purpose."""
 
     def __init__(self, draw: Draw, purpose: str) -> None:
+        """Belong to `draw` and speak of `purpose` in messages."""
         self._draw, self._purpose = draw, purpose
         self._rng: np.random.Generator | None = None
 
@@ -86,11 +89,13 @@ class Stream:
         return self._rng
 
 
-def spread(argument: str, given: object, names: Sequence[str], what: str) -> dict[str, object]:
+def spread(
+    argument: str, given: Value | Mapping[str, Value], names: Sequence[str], what: str
+) -> dict[str, Value]:
     """Return what is given for each name, from one value or a mapping by names or patterns."""
     if not isinstance(given, Mapping):
         return dict.fromkeys(names, given)
-    values = {}
+    values: dict[str, Value] = {}
     for pattern, value in given.items():
         matches = [name for name in names if fnmatchcase(name, pattern)]
         if not matches:

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import xml.etree.ElementTree as ET
+from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fotsmc_pin.arms.arm import Arm, build_model
-from fotsmc_pin.arms.catalog import find_source
+from fotsmc_pin.arms.arm import Arm
+from fotsmc_pin.arms.catalog import find_source, shared_folders
 from fotsmc_pin.arms.inertia import check_moving_bodies
 from fotsmc_pin.arms.locking import apply_locks, choose_locks
 from fotsmc_pin.arms.markup import parse_urdf, urdf_text
+from fotsmc_pin.arms.model import build_model
 from fotsmc_pin.arms.overrides import apply_overrides
 from fotsmc_pin.arms.properties import complete_limits, read_properties
 from fotsmc_pin.arms.tree import UrdfTree
@@ -17,24 +20,26 @@ from fotsmc_pin.arms.visuals import anchor_meshes, package_folders
 from fotsmc_pin.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Collection, Iterable, Mapping
     from os import PathLike
 
     from fotsmc_pin.arms.locking import Patterns
-    from fotsmc_pin.arms.overrides import PerJoint
+from fotsmc_pin.arms.overrides import PerJoint
 
-# Names that makers give to the frame at the tool, best first.
+NOTE = "fotsmc_pin"
+
+# Names and patterns that makers give to the frame at the tool, best first.
 TOOL_FRAMES = (
     "tool0",
     "tcp",
-    "panda_hand_tcp",
+    "*_tcp",
     "gripper_frame_link",
-    "tool_link",
     "tool",
+    "tool_link",
+    "*end_effector*",
     "ee_link",
     "link_eef",
-    "end_effector",
-    "panda_hand",
+    "*_hand",
 )
 
 
@@ -66,7 +71,7 @@ def load_arm(
         source: path of a URDF; or the name of a bundled arm ("two_link", "two_link_true"), of one
             in example-robot-data ("panda", "ur5", ...), or of one in robot_descriptions.
         package_dirs: folders that hold the packages which `package://` addresses name. Folders
-            above the file are searched by themselves.
+            above the file and those of example-robot-data are searched by themselves.
         lock: joints to fix, by name or pattern; a mapping also says where [rad or m].
         keep: the only joints to leave free, by name or pattern.
         armature: motor inertia seen from the joint [kg·m² or kg]; in a file,
@@ -89,6 +94,8 @@ def load_arm(
         UrdfError: the file cannot be used; the message says why and what to do.
         ArgumentError: an unknown joint, or a number that no joint can have.
     """
+    if isinstance(package_dirs, str):
+        raise ArgumentError("package_dirs", package_dirs, "give a list of folders")
     found = find_source(Path(source) if not isinstance(source, str) else source)
     path = found.path.resolve()
     origin = name or found.name or path.name
@@ -122,32 +129,61 @@ def load_arm(
         "upper_position_limit": upper_position_limit,
     }
     apply_overrides(tree, joint_names, overrides)
+    notes += [
+        f"{what} given in place of the file's"
+        for what, given in overrides.items()
+        if given is not None
+    ]
 
-    folders = [str(Path(folder).resolve()) for folder in package_dirs]
-    if isinstance(package_dirs, str):
-        raise ArgumentError("package_dirs", package_dirs, "give a list of folders")
-    folders += [*found.package_dirs, *package_folders(tree.robot, path.parent)]
+    folders = [
+        *(str(Path(folder).resolve()) for folder in package_dirs),
+        *found.package_dirs,
+        *package_folders(tree.robot, (path.parent, *path.parent.parents, *shared_folders())),
+    ]
+    hand = {fixed.joint.name for fixed in locks if fixed.is_of_hand}
+    tool_frame = tool_frame or _noted_tool_frame(tree) or default_tool_frame(tree, hand)
+    _note_tool_frame(tree, tool_frame)
     return Arm(
         urdf=urdf_text(tree.robot),
         name=name or found.name or tree.robot.get("name") or path.stem,
         package_dirs=tuple(dict.fromkeys(folders)),
-        tool_frame=tool_frame or default_tool_frame(tree),
+        tool_frame=tool_frame,
         notes=tuple(notes),
     )
 
 
-def default_tool_frame(tree: UrdfTree) -> str:
+def _noted_tool_frame(tree: UrdfTree) -> str | None:
+    """Return the tool frame that a file written by `Arm.write_urdf` names."""
+    note = tree.robot.find(NOTE)
+    frame = None if note is None else note.get("tool_frame")
+    return frame if frame in tree.links else None
+
+
+def _note_tool_frame(tree: UrdfTree, tool_frame: str) -> None:
+    """Write the tool frame into the URDF, which has no tag of its own for it."""
+    note = tree.robot.find(NOTE)
+    if note is None:
+        note = ET.SubElement(tree.robot, NOTE)
+    note.set("tool_frame", tool_frame)
+
+
+def default_tool_frame(tree: UrdfTree, hand_joints: Collection[str] = ()) -> str:
     """Return a link with a usual tool name, else the last link of the longest chain.
 
     Chains are as long as they have moving joints, then as they have joints; the first one in the
-    file wins a tie.
+    file wins a tie. Links beyond `hand_joints`, which are fingers, do not count.
     """
 
     def length(link: str) -> tuple[int, int]:
         chain = tree.chain(link)
         return sum(joint.moves for joint in chain), len(chain)
 
-    longest = max(tree.links, key=length)
-    moving = length(longest)[0]
-    usual = [name for name in TOOL_FRAMES if name in tree.links and length(name)[0] == moving]
-    return usual[0] if usual else longest
+    palm = [
+        link
+        for link in tree.links
+        if not any(joint.name in hand_joints for joint in tree.chain(link))
+    ]
+    longest = max(palm, key=length)
+    ends = [link for link in palm if length(link)[0] == length(longest)[0]]
+    usual = (link for pattern in TOOL_FRAMES for link in ends if fnmatchcase(link, pattern))
+    return next(usual, longest)

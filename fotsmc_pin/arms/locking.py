@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from fotsmc_pin.arms.tree import Joint, UrdfTree
 
 Patterns: TypeAlias = "str | Iterable[str]"
+GRIPPER, MIMIC = "gripper", "mimic joint"
 GRIPPER_PATTERNS = ("*gripper*", "*finger*", "*knuckle*", "*jaw*", "*claw*")
 
 
@@ -29,6 +30,11 @@ class Lock:
     joint: Joint
     position: float
     reason: str
+
+    @property
+    def is_of_hand(self) -> bool:
+        """Whether the joint moves a finger and not the arm."""
+        return self.reason in (GRIPPER, MIMIC)
 
 
 def choose_locks(
@@ -95,9 +101,9 @@ def _grippers_and_mimics(tree: UrdfTree) -> dict[str, str]:
     for joint in tree.moving_joints:
         before = [other for other in tree.chain(joint.parent) if other.moves]
         if joint.element.find("mimic") is not None:
-            found[joint.name] = "mimic joint"
+            found[joint.name] = MIMIC
         elif _is_gripper(joint) and any(not _is_gripper(other) for other in before):
-            found[joint.name] = "gripper"
+            found[joint.name] = GRIPPER
     return found
 
 

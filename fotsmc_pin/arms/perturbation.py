@@ -1,14 +1,13 @@
-"""`perturb`: the true plant, an arm whose inertias, friction and payload differ from the model's."""
+"""`perturb`: the true plant, an arm whose inertias and friction differ from the model's."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias, cast
 
 import numpy as np
 
-from fotsmc_pin.arms.arm import Arm
 from fotsmc_pin.arms.draw import Draw, Number, PerLink, Uniform, spread
 from fotsmc_pin.arms.inertia import read_inertia, write_inertia
 from fotsmc_pin.arms.markup import parse_urdf, urdf_text
@@ -22,6 +21,7 @@ from fotsmc_pin.errors import ArgumentError
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
+    from fotsmc_pin.arms.arm import Arm
     from fotsmc_pin.arms.inertia import LinkInertia
 
 Shift: TypeAlias = "Number | ArrayLike"
@@ -132,9 +132,10 @@ def _scale_inertias(tree: UrdfTree, draw: Draw, given: PerLink) -> list[str]:
 def _factors(tree: UrdfTree, draw: Draw, argument: str, given: PerLink) -> dict[str, float]:
     """Return the factor of each link that has one other than 1."""
     stream = draw.stream(argument)
+    wanted: dict[str, Number] = spread(argument, given, moving_links(tree), "moving link")
     factors = {
         link: finite_number(argument, stream.number(value), above=0.0)
-        for link, value in spread(argument, given, moving_links(tree), "moving link").items()
+        for link, value in wanted.items()
     }
     return {link: factor for link, factor in factors.items() if factor != 1.0}
 
@@ -142,9 +143,10 @@ def _factors(tree: UrdfTree, draw: Draw, argument: str, given: PerLink) -> dict[
 def _shift_centres(tree: UrdfTree, draw: Draw, given: Shift | Mapping[str, Shift]) -> list[str]:
     stream = draw.stream("com_shift")
     changes = []
-    for link, value in spread("com_shift", given, moving_links(tree), "moving link").items():
+    wanted: dict[str, Shift] = spread("com_shift", given, moving_links(tree), "moving link")
+    for link, value in wanted.items():
         if isinstance(value, Uniform) or np.ndim(value) == 0:
-            length = finite_number("com_shift", stream.number(value), at_least=0.0)
+            length = finite_number("com_shift", stream.number(cast("Number", value)), at_least=0.0)
             shift = length * stream.direction() if length else np.zeros(3)
         else:
             shift = finite_vector("com_shift", value, 3)
@@ -192,7 +194,8 @@ def _set_per_joint(
 ) -> list[str]:
     stream = draw.stream(what)
     if isinstance(given, (Uniform, Mapping)):
-        spread_out = spread(what, given, joint_names, "moving joint")
+        wanted: PerLink = given
+        spread_out: dict[str, Number] = spread(what, wanted, joint_names, "moving joint")
         values = {joint: stream.number(value) for joint, value in spread_out.items()}
     else:
         values = joint_values(what, given, joint_names)

@@ -54,6 +54,7 @@ class UrdfTree:
     """
 
     def __init__(self, robot: ET.Element, origin: str) -> None:
+        """Read names and connections; refuse what is no tree."""
         self.robot, self.origin = robot, origin
         self.links = self._named("link")
         elements = self._named("joint")
@@ -128,7 +129,8 @@ class UrdfTree:
             values = ()
         if len(values) != len(default) or not all(math.isfinite(value) for value in values):
             tag = "" if element is None else element.tag
-            raise self.fail(f'{of}: {attribute}="{text}" in <{tag}> is not {len(default)} numbers')
+            wanted = "a finite number" if len(default) == 1 else f"{len(default)} finite numbers"
+            raise self.fail(f'{of}: <{tag} {attribute}="{text}"> is not {wanted}')
         return values
 
     def _named(self, tag: str) -> dict[str, ET.Element]:
@@ -155,7 +157,16 @@ class UrdfTree:
             if link is None or link not in self.links:
                 raise self.fail(f"joint {name!r}: its {tag} link {link!r} is not in the file")
             ends[tag] = link
+        self._check_placement(element, name)
         return Joint(element=element, name=name, type=kind, **ends)
+
+    def _check_placement(self, element: ET.Element, name: str) -> None:
+        where = f"joint {name!r}"
+        for attribute in ("xyz", "rpy"):
+            self.numbers(element.find("origin"), attribute, (0.0, 0.0, 0.0), where)
+        axis = self.numbers(element.find("axis"), "xyz", (1.0, 0.0, 0.0), where)
+        if element.get("type") != "fixed" and math.hypot(*axis) < 1e-9:
+            raise self.fail(f"{where}: its axis is zero; give a direction such as 0 0 1")
 
     def _hang(self, joint: Joint) -> None:
         if joint.child in self._joint_above:

@@ -13,7 +13,7 @@ from fotsmc_pin.arms.markup import urdf_text
 
 if TYPE_CHECKING:
     import xml.etree.ElementTree as ET
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
     from fotsmc_pin.arms.tree import UrdfTree
 
@@ -66,15 +66,15 @@ def anchor_meshes(robot: ET.Element, folder: Path) -> None:
             mesh.set("filename", str((folder / address).resolve()))
 
 
-def package_folders(robot: ET.Element, folder: Path) -> list[str]:
-    """Return the folders above a URDF that hold the packages that its meshes name."""
+def package_folders(robot: ET.Element, folders: Iterable[Path]) -> list[str]:
+    """Return those of the folders that hold a package which the meshes of a URDF name."""
     packages = {
         address.removeprefix("package://").split("/")[0]
         for mesh in robot.iter("mesh")
         if (address := mesh.get("filename", "")).startswith("package://")
     }
     return [
-        str(parent)
-        for parent in (folder, *folder.parents)
-        if any((parent / package).is_dir() for package in packages)
+        str(folder)
+        for folder in folders
+        if any((folder / package).is_dir() for package in packages)
     ]

@@ -1,0 +1,266 @@
+"""`load_arm`: where arms come from, which joints stay free, and whose numbers count."""
+
+import json
+import sys
+import time
+
+import numpy as np
+import pytest
+
+from fotsmc_pin.arms import load_arm
+from fotsmc_pin.errors import ArgumentError, ArmNotFoundError
+
+
+def test_a_path_wins_over_names(made, monkeypatch):
+    monkeypatch.chdir(made.chain("revolute").rename(made.folder / "panda").parent)
+    assert load_arm("panda").nv == 1
+
+
+@pytest.mark.parametrize("source", ["gone.urdf", "no/such/folder/arm.urdf", "./panda"])
+def test_a_missing_file_is_said_to_be_missing(source):
+    with pytest.raises(ArmNotFoundError, match="does not exist"):
+        load_arm(source)
+
+
+def test_a_folder_is_no_file(tmp_path):
+    with pytest.raises(ArmNotFoundError, match="is a folder"):
+        load_arm(tmp_path)
+
+
+def test_an_unknown_name_lists_the_known_ones():
+    with pytest.raises(ArmNotFoundError, match=r"'pandda'.*two_link.*panda"):
+        load_arm("pandda")
+
+
+def test_other_files_of_example_robot_data_go_by_their_stem():
+    assert load_arm("ur5_gripper").nv == 6
+
+
+def test_robot_descriptions(made, monkeypatch):
+    path = made.chain("revolute", "revolute")
+    package = made.folder / "robot_descriptions"
+    package.mkdir()
+    (package / "__init__.py").touch()
+    monkeypatch.syspath_prepend(made.folder)
+    (package / "gizmo_description.py").write_text(
+        f"URDF_PATH = {str(path)!r}\nPACKAGE_PATH = {str(made.folder)!r}\n"
+    )
+    arm = load_arm("gizmo")
+    for module in [name for name in sys.modules if name.startswith("robot_descriptions")]:
+        monkeypatch.delitem(sys.modules, module)
+    assert (arm.name, arm.nv) == ("gizmo", 2)
+
+
+def test_grippers_and_mimic_joints_are_locked_and_said_so():
+    panda = load_arm("panda")
+    assert panda.joint_names == tuple(f"panda_joint{number}" for number in range(1, 8))
+    assert "locked panda_finger_joint1 at 0 m (gripper)" in panda.notes
+    assert "locked panda_finger_joint2 at 0 m (mimic joint)" in panda.notes
+    assert load_arm("z1").nv == 6
+
+
+def test_a_finger_of_its_own_is_an_arm():
+    assert load_arm("finger_edu").nv == 3
+
+
+def test_keep_leaves_only_what_it_names():
+    left = load_arm("baxter", keep="left_*")
+    assert left.nv == 7
+    assert all(name.startswith("left_") for name in left.joint_names)
+    assert load_arm("panda", keep=["panda_joint?", "panda_finger_joint1"]).nv == 8
+
+
+def test_lock_takes_from_what_keep_leaves():
+    arm = load_arm("baxter", keep="left_*", lock=["left_w?"])
+    assert arm.joint_names == ("left_s0", "left_s1", "left_e0", "left_e1")
+
+
+def test_a_locked_joint_stays_where_it_is_put(made):
+    """An arm with its wrist locked moves as the whole arm does with its wrist held there."""
+    path = made.chain("revolute", "prismatic", "continuous", "revolute")
+    whole = load_arm(path)
+    locked = load_arm(path, lock={"joint2": 0.3, "joint3": -2.0})
+    assert locked.joint_names == ("joint1", "joint4")
+    q = np.array([0.4, -0.7])
+    q_whole = whole.from_joint_positions([0.4, 0.3, -2.0, -0.7])
+    np.testing.assert_allclose(locked.gravity(q), whole.gravity(q_whole)[[0, 3]], atol=1e-12)
+    mass = whole.mass_matrix(q_whole)[np.ix_([0, 3], [0, 3])]
+    np.testing.assert_allclose(locked.mass_matrix(q), mass, atol=1e-12)
+
+
+def test_a_locked_mimic_joint_follows_its_leader(made):
+    follower = made.joint(
+        "thumb", "link1", "tip", extra='<mimic joint="joint1" multiplier="-2" offset="0.1"/>'
+    )
+    path = made.chain("revolute", "revolute", tail=(made.link("tip"), follower))
+    assert "locked thumb at -0.7 rad (mimic joint)" in load_arm(path, lock={"joint1": 0.4}).notes
+
+
+def test_a_joint_locked_without_a_place_goes_to_the_nearest_limit(made):
+    limit = '<limit lower="0.5" upper="1" effort="1" velocity="1"/>'
+    arm = load_arm(made.chain("revolute", "revolute", extra=limit), lock="joint2")
+    assert "locked joint2 at 0.5 rad (as asked)" in arm.notes
+
+
+@pytest.mark.parametrize("option", ["lock", "keep"])
+def test_an_unknown_joint_is_refused(option):
+    with pytest.raises(ArgumentError, match=r"elbow.*panda_joint1"):
+        load_arm("panda", **{option: ["elbow*"]})
+
+
+def test_locking_everything_leaves_no_arm():
+    with pytest.raises(ValueError, match="no joint moves"):
+        load_arm("two_link", lock="*")
+
+
+NUMBERS = (
+    "armature",
+    "friction",
+    "damping",
+    "effort_limit",
+    "velocity_limit",
+    "upper_position_limit",
+)
+
+
+@pytest.mark.parametrize("what", NUMBERS)
+@pytest.mark.parametrize(
+    ("given", "expected"),
+    [(1.5, [1.5, 1.5]), ([1.0, 2.0], [1.0, 2.0]), ({"joint1": 1.5, "*2": 2.5}, [1.5, 2.5])],
+)
+def test_overrides(what, given, expected):
+    arm = load_arm("two_link", **{what: given})
+    np.testing.assert_array_equal(getattr(arm, what), expected)
+
+
+def test_a_mapping_leaves_the_other_joints_alone():
+    arm = load_arm("two_link", armature={"joint2": 1.0})
+    np.testing.assert_array_equal(arm.armature, [5.0, 1.0])
+
+
+@pytest.mark.parametrize("what", NUMBERS)
+@pytest.mark.parametrize(
+    "given", [[1.0], [1.0, 2.0, 3.0], {"elbow": 1.0}, "strong", np.nan, {"joint1": "x"}]
+)
+def test_a_bad_override_is_refused(what, given):
+    with pytest.raises(ArgumentError, match=what):
+        load_arm("two_link", **{what: given})
+
+
+@pytest.mark.parametrize("given", [{"armature": -1.0}, {"effort_limit": 0.0}, {"friction": np.inf}])
+def test_a_number_that_no_joint_has_is_refused(given):
+    with pytest.raises(ArgumentError, match=next(iter(given))):
+        load_arm("two_link", **given)
+
+
+def test_both_position_limits_may_move_past_the_old_ones():
+    arm = load_arm("panda", lower_position_limit=5.0, upper_position_limit=6.0)
+    np.testing.assert_array_equal(arm.lower_position_limit, np.full(7, 5.0))
+    with pytest.raises(ArgumentError, match="not below"):
+        load_arm("panda", lower_position_limit=5.0)
+
+
+def test_limits_can_be_lifted_and_travel_so(made):
+    arm = load_arm("panda", effort_limit=np.inf, upper_position_limit={"panda_joint1": np.inf})
+    again = load_arm(arm.write_urdf(made.folder / "free.urdf"))
+    assert np.isinf(again.effort_limit).all()
+    assert np.isinf(again.upper_position_limit[0])
+    np.testing.assert_array_equal(again.lower_position_limit, arm.lower_position_limit)
+
+
+@pytest.mark.parametrize("number", ["0", "inf", "INF", "Infinity"])
+def test_zero_and_infinity_mean_not_given(made, number):
+    limit = f'<limit effort="{number}" velocity="{number}"/>'
+    arm = load_arm(made.chain("revolute", "prismatic", extra=limit))
+    assert np.isinf(arm.effort_limit).all()
+    assert np.isinf(arm.velocity_limit).all()
+    assert np.isinf(arm.lower_position_limit).all()
+
+
+def test_infinite_position_limits_are_read(made):
+    limit = '<limit lower="-inf" upper="1" effort="1" velocity="1"/>'
+    arm = load_arm(made.chain("revolute", extra=limit))
+    assert (arm.lower_position_limit[0], arm.upper_position_limit[0]) == (-np.inf, 1.0)
+
+
+def test_a_joint_without_limits_loads_and_is_noted(made):
+    arm = load_arm(made.chain("revolute", extra=""))
+    assert np.isinf(arm.effort_limit).all()
+    assert any("joint1 gives no effort or velocity limit" in note for note in arm.notes)
+
+
+def test_armature_comes_from_drakes_tags_declared_or_not(made):
+    transmission = (
+        '<transmission name="t"><joint name="joint1"/><actuator name="m">'
+        '<drake:rotor_inertia value="1e-4"/><drake:gear_ratio value="100"/>'
+        "</actuator></transmission>"
+    )
+    arm = load_arm(made.chain("revolute", "revolute", tail=(transmission,)))
+    np.testing.assert_allclose(arm.armature, [1.0, 0.0])
+
+
+def test_friction_and_damping_come_from_the_file():
+    arm = load_arm("xarm7")
+    np.testing.assert_array_equal(arm.friction, np.ones(7))
+    np.testing.assert_array_equal(arm.damping, [10, 10, 5, 5, 5, 2, 2])
+
+
+def test_a_missing_mesh_is_a_warning_and_dynamics_do_not_care(made):
+    mesh = '<visual><geometry><mesh filename="package://gone/arm.stl"/></geometry></visual>'
+    parts = (made.link("arm", extra=mesh), made.joint("turn", "base", "arm"))
+    arm = load_arm(made.file(*parts))
+    assert arm.gravity([0.1]).shape == (1,)
+    with pytest.warns(UserWarning, match=r"gone/arm.stl.*'arm'.*is not there"):
+        assert len(arm.visual_model().geometryObjects) == 0
+
+
+def test_meshes_beside_the_file_are_found_wherever_it_is_written(made):
+    (made.folder / "tri.stl").write_text(
+        "solid t\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+        "endloop\nendfacet\nendsolid t\n"
+    )
+    mesh = '<visual><geometry><mesh filename="tri.stl"/></geometry></visual>'
+    parts = (made.link("arm", extra=mesh), made.joint("turn", "base", "arm"))
+    (made.folder / "elsewhere").mkdir()
+    copy = load_arm(made.file(*parts)).write_urdf(made.folder / "elsewhere" / "copy.urdf")
+    assert len(load_arm(copy).visual_model().geometryObjects) == 1
+
+
+def test_example_robot_data_meshes_are_found_from_a_written_file(tmp_path):
+    arm = load_arm(load_arm("asr_twodof").write_urdf(tmp_path / "arm.urdf"))
+    assert len(arm.visual_model().geometryObjects) == 7
+
+
+def test_package_dirs_must_be_a_list():
+    with pytest.raises(ArgumentError, match="package_dirs"):
+        load_arm("two_link", package_dirs="meshes")
+
+
+def test_tool_frames():
+    expected = {"panda": "panda_hand_tcp", "ur5": "tool0", "kinova": "j2s6s200_end_effector"}
+    assert {name: load_arm(name).tool_frame for name in expected} == expected
+    assert load_arm("z1").tool_frame_id > 0
+    with pytest.raises(ArgumentError, match="tool_frame"):
+        load_arm("panda", tool_frame="nose")
+
+
+def test_everything_about_an_arm_fits_into_json():
+    parts = load_arm("panda", lock={"panda_joint3": 0.5}).to_dict()
+    assert json.loads(json.dumps(parts)) == parts
+
+
+def test_comments_and_unknown_tags_survive(made):
+    tail = ("<!-- calibrated -->", '<gazebo reference="link1"><kp>10</kp></gazebo>', "<ros:x/>")
+    text = load_arm(made.chain("revolute", tail=tail)).urdf
+    for part in ("<!-- calibrated -->", "<kp>10</kp>", "<ros:x"):
+        assert part in text
+
+
+def test_loading_takes_under_50_ms():
+    load_arm("panda")
+    times = []
+    for _ in range(5):
+        start = time.perf_counter()
+        load_arm("panda")
+        times.append(time.perf_counter() - start)
+    assert min(times) < 0.05
