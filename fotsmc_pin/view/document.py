@@ -188,11 +188,11 @@ def _view(shots: Sequence[Shot]) -> dict[str, Any]:
     highs = [shot.framing.high + shot.offset for shot in shots]
     low, high = np.min(lows, axis=0), np.max(highs, axis=0)
     floor = min(shot.framing.floor for shot in shots)
-    if floor > low[2] - 0.5 * shots[0].framing.reach:
-        low[2] = min(low[2], floor)
+    outline = np.concatenate([shot.framing.outline + shot.offset for shot in shots])
     return {
         "low": low.tolist(),
         "high": high.tolist(),
+        "outline": np.round(outline, 4).tolist(),
         "floor": floor,
         "reach": max(shot.framing.reach for shot in shots),
         "direction": shots[0].framing.direction.tolist(),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     Floats: TypeAlias = NDArray[np.float64]
 
 POINTS_AT_MOST = 4000
-INSET = (0.42, 0.42, 0.54, 0.5)
-REFERENCE = {"color": BLACK, "linestyle": (0, (4, 2)), "linewidth": 0.9}
-LIMIT = {"color": VERMILLION, "linestyle": (0, (1, 1.5)), "linewidth": 0.9}
+INSET_WIDTH, INSET_HEIGHT = 0.54, 0.46
+REFERENCE: dict[str, Any] = {"color": BLACK, "linestyle": (0, (4, 2)), "linewidth": 0.9}
+LIMIT: dict[str, Any] = {"color": VERMILLION, "linestyle": (0, (1, 1.5)), "linewidth": 0.9}
 
 
 def tracking_figure(recording: Recording, joints: Sequence[int] | None = None) -> Figure:
@@ -88,6 +88,7 @@ def signal_figure(
     unit: str = "–",
     joints: Sequence[int] | None = None,
     reference: float | None = None,
+    labels: Sequence[tuple[str, str]] | None = None,
 ) -> Figure:
     """One of the controller's signals, such as its sliding variable or an estimate; rows by joint.
 
@@ -97,6 +98,8 @@ def signal_figure(
         unit: what stands in the axis' brackets.
         joints: which columns; None takes all.
         reference: a value to mark by a dashed line, such as the true one of an estimate.
+        labels: what stands beside each column's axis, as (quantity, unit), in place of `unit` and
+            the signal's own name.
     """
     table = recording.signals[name]
     columns = range(table.shape[1]) if joints is None else joints
@@ -106,12 +109,11 @@ def signal_figure(
             if reference is not None:
                 panel.axhline(reference, **REFERENCE)
             draw(panel, recording.t, table[:, column], linewidth=0.8)
-            several = table.shape[1] > 1
-            label_axis(
-                panel,
-                f"{name}, {_column_name(recording, table, column)}" if several else name,
-                unit,
-            )
+            if labels is None:
+                column_name = f"{name}, {_column_name(recording, table, column)}"
+                label_axis(panel, column_name if table.shape[1] > 1 else name, unit)
+            else:
+                label_axis(panel, *labels[column])
         label_time(axes)
     return figure
 
@@ -133,7 +135,8 @@ def overview_figure(recording: Recording) -> Figure:
                 draw(panel, recording.t, table[:, column], label=label, **line_style(column))
             label_axis(panel, quantity, ", ".join(dict.fromkeys(units)))
         if recording.arm.nv > 1:
-            figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside right upper")
+            lines, labels = axes[0, 0].get_legend_handles_labels()
+            figure.legend(lines, labels, loc="outside upper center", ncols=min(len(labels), 7))
         label_time(axes)
     return figure
 
@@ -159,16 +162,17 @@ def comparison_figure(
     return figure
 
 
-def draw(axes: Axes, t: Floats, values: Floats, **style: object) -> None:
+def draw(axes: Axes, t: Floats, values: Floats, **style: Any) -> None:
     """Draw a curve over time, thinned so that a vector file stays small but peaks stay."""
     times, columns = thinned_curves(t, values[:, None], POINTS_AT_MOST)
-    axes.plot(times, columns[:, 0], **style)  # type: ignore[arg-type]
+    axes.plot(times, columns[:, 0], **style)
     axes.set_xlim(float(t[0]), float(t[-1]) if t[-1] > t[0] else float(t[0]) + 1.0)
 
 
 def error_inset(axes: Axes, t: Floats, error: Floats, unit: str) -> Axes:
     """Add an inset with the second half of an error in thousandths of its unit."""
-    inset: Axes = axes.inset_axes(INSET)
+    bottom = 0.42 if abs(error.max()) >= abs(error.min()) else 0.16
+    inset: Axes = axes.inset_axes((0.43, bottom, INSET_WIDTH, INSET_HEIGHT))
     tail = t >= t[0] + 0.5 * (t[-1] - t[0])
     draw(inset, t[tail], 1e3 * error[tail], linewidth=0.7)
     inset.tick_params(labelsize=6)
@@ -188,7 +192,7 @@ def draw_limits(axes: Axes, recording: Recording, joint: int) -> None:
     axes.set_title(text, loc="right", fontsize=6.5, color=VERMILLION, pad=2)
 
 
-def line_style(index: int) -> dict[str, object]:
+def line_style(index: int) -> dict[str, Any]:
     """Return colour and dashes of a line; after the last colour the dashes change."""
     dashes: tuple[object, ...] = ("-", (0, (5, 1.5)), (0, (3, 1, 1, 1)), (0, (1, 1)))
     return {

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
+from fotsmc_pin.view.motion import tool_frame_number
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -20,6 +22,7 @@ if TYPE_CHECKING:
 
 THREE_QUARTER_VIEW = np.array([0.84, 0.5, 0.36])
 FLAT = 0.08
+OUTLINE_DIRECTIONS = 150
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -29,6 +32,7 @@ class Framing:
     Attributes:
         low: lowest corner of the box that the run sweeps (3,) [m].
         high: its highest corner (3,) [m].
+        outline: points on the hull of what the run sweeps (n, 3) [m].
         direction: unit vector from the arm to the camera (3,).
         reach: distance from the base to the tool with the arm stretched out [m].
         floor: height of the floor [m].
@@ -36,6 +40,7 @@ class Framing:
 
     low: Floats
     high: Floats
+    outline: Floats
     direction: Floats
     reach: float
     floor: float
@@ -54,6 +59,7 @@ def framing(arm: Arm, visuals: Sequence[Visual], motions: Sequence[Motion]) -> F
     return Framing(
         low=low,
         high=high,
+        outline=_outline(corners),
         direction=_direction(np.concatenate([paths, tools])),
         reach=reach,
         floor=floor,
@@ -78,7 +84,7 @@ def swept_points(visuals: Sequence[Visual], motions: Sequence[Motion]) -> Floats
 def reach_of(arm: Arm) -> float:
     """Return the length of the chain from the first joint to the tool frame [m]."""
     model = arm.model
-    frame = model.frames[model.getFrameId(arm.tool_frame)]
+    frame = model.frames[tool_frame_number(arm)]
     length = float(np.linalg.norm(frame.placement.translation))
     joint = int(frame.parentJoint)
     while int(model.parents[joint]) > 0:
@@ -93,12 +99,27 @@ def _direction(points: Floats) -> Floats:
     normal = axes[:, 0]
     middle = max(spread[1], 0.0)
     if middle <= 0 or spread[0] > FLAT**2 * middle or abs(normal[2]) > 0.5:
-        return THREE_QUARTER_VIEW / np.linalg.norm(THREE_QUARTER_VIEW)
+        return _unit(THREE_QUARTER_VIEW)
     if normal @ THREE_QUARTER_VIEW < 0:
         normal = -normal
     side = np.cross([0.0, 0.0, 1.0], normal)
-    direction = normal + 0.35 * side + np.array([0.0, 0.0, 0.22])
-    return direction / np.linalg.norm(direction)
+    return _unit(normal + 0.35 * side + np.array([0.0, 0.0, 0.22]))
+
+
+def _unit(vector: Floats) -> Floats:
+    result: Floats = vector / np.linalg.norm(vector)
+    return result
+
+
+def _outline(points: Floats) -> Floats:
+    """Return those points that lie farthest out, in directions spread evenly over the sphere."""
+    number = np.arange(OUTLINE_DIRECTIONS) + 0.5
+    z = 1 - 2 * number / OUTLINE_DIRECTIONS
+    turn = np.pi * (1 + np.sqrt(5)) * number
+    radius = np.sqrt(1 - z * z)
+    directions = np.stack([radius * np.cos(turn), radius * np.sin(turn), z], axis=1)
+    extremes: Floats = points[np.unique(np.argmax(points @ directions.T, axis=0))]
+    return extremes
 
 
 def _some(count: int) -> NDArray[np.int64]:

@@ -23,14 +23,13 @@ JOINT: Color = (0.25, 0.28, 0.33, 1.0)
 TOOL: Color = (0.9, 0.62, 0.0, 1.0)
 
 
-def skeleton(model: Any, tool_frame: str) -> Iterator[tuple[str, int, Mesh]]:
+def skeleton(model: Any, frame: Any) -> Iterator[tuple[str, int, Mesh]]:
     """Yield name, joint index and mesh of what stands for the links of `model`.
 
     Args:
         model: the arm's `pinocchio.Model`.
-        tool_frame: name of the frame at the tip.
+        frame: the frame at the tip, one of `model.frames`.
     """
-    frame = model.frames[model.getFrameId(tool_frame)]
     thickness = 0.025 * _length(model, frame)
     for child in range(1, model.njoints):
         parent = int(model.parents[child])
@@ -41,10 +40,10 @@ def skeleton(model: Any, tool_frame: str) -> Iterator[tuple[str, int, Mesh]]:
     tip = np.array(frame.placement.translation)
     joint = int(frame.parentJoint)
     if np.linalg.norm(tip) > thickness:
-        yield f"{model.names[joint]}_to_{tool_frame}", joint, _rod(tip, thickness)
+        yield f"{model.names[joint]}_to_{frame.name}", joint, _rod(tip, thickness)
     ball = shapes.sphere(0.9 * thickness).painted(TOOL)
     moved = Mesh(vertices=ball.vertices + tip, faces=ball.faces, paint=ball.paint)
-    yield tool_frame, joint, moved
+    yield str(frame.name), joint, moved
 
 
 def _length(model: Any, frame: Any) -> float:

@@ -62,7 +62,8 @@ def paper_style() -> Iterator[None]:
     import matplotlib as mpl
     from cycler import cycler
 
-    with mpl.rc_context({**SETTINGS, "axes.prop_cycle": cycler(color=COLORS)}):
+    settings: Any = {**SETTINGS, "axes.prop_cycle": cycler(color=COLORS)}
+    with mpl.rc_context(settings):
         yield
 
 

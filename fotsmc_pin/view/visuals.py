@@ -12,6 +12,7 @@ import numpy as np
 from fotsmc_pin.view import shapes
 from fotsmc_pin.view.collada import read_collada
 from fotsmc_pin.view.meshes import Mesh
+from fotsmc_pin.view.motion import tool_frame_number
 from fotsmc_pin.view.skeleton import skeleton
 from fotsmc_pin.view.stl import read_stl
 
@@ -47,7 +48,7 @@ def visuals_of(arm: Arm) -> list[Visual]:
         return drawn
     bones = [
         Visual(name=name, joint=joint, mesh=mesh)
-        for name, joint, mesh in skeleton(arm.model, arm.tool_frame)
+        for name, joint, mesh in skeleton(arm.model, arm.model.frames[tool_frame_number(arm)])
     ]
     return bones + drawn
 
@@ -73,7 +74,7 @@ def _color(rgba: np.ndarray) -> Color:
 
 def _mesh(item: Any) -> Mesh | None:
     """Return the triangles of a geometry object in its own frame, or None where it has no size."""
-    import coal
+    import coal  # type: ignore[import-untyped]
 
     shape = item.geometry
     if isinstance(shape, coal.BVHModelBase):

@@ -134,7 +134,7 @@ function ghostMaterials() {
   const color = new THREE.MeshStandardMaterial({
     color: new THREE.Color(GHOST_COLOR).convertSRGBToLinear(),
     transparent: true,
-    opacity: 0.34,
+    opacity: 0.4,
     depthWrite: false,
     roughness: 0.9,
     ...shift,

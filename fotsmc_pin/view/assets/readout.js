@@ -91,9 +91,10 @@ class Readout {
     const signed = (value, color, always) => (value === null ? [] : [1, -1].map((s) => ({ value: s * value, color, always })));
     if (this.joint >= 0) return signed(limit[this.joint], this.several ? muted : colors[this.joint % colors.length], true);
     if (this.several) return [];
-    const same = limit.every((value) => value === limit[0]);
-    if (same) return signed(limit[0], muted, false);
-    return limit.flatMap((value, j) => signed(value, colors[j % colors.length], false));
+    const sharing = (value) => limit.filter((other) => other === value).length;
+    return limit.flatMap((value, j) =>
+      limit.indexOf(value) < j ? [] : signed(value, sharing(value) > 1 ? muted : colors[j % colors.length], false)
+    );
   }
 
   draw(time = this.time) {

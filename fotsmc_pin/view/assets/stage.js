@@ -93,20 +93,30 @@ class Stage {
     const up = new THREE.Vector3().crossVectors(away, right);
     const tall = Math.tan((camera.fov * Math.PI) / 360);
     const wide = tall * camera.aspect;
+    const points = this.view.outline.map(([x, y, z]) => turned({ x, y, z }));
+    // Centre the picture of the outline, then step back until it fits; twice, as both depend.
     let distance = 0;
-    for (const x of [this.low.x, this.high.x])
-      for (const y of [this.low.y, this.high.y])
-        for (const z of [this.low.z, this.high.z]) {
-          const corner = turned({ x, y, z }).sub(aim);
-          const near = corner.dot(away);
-          distance = Math.max(
-            distance,
-            near + Math.abs(corner.dot(right)) / wide,
-            near + Math.abs(corner.dot(up)) / tall
-          );
-        }
+    for (let pass = 0; pass < 3; pass++) {
+      const seen = points.map((point) => {
+        const relative = point.clone().sub(aim);
+        const depth = Math.max(distance - relative.dot(away), 0.1 * this.size);
+        return [relative.dot(right), relative.dot(up), relative.dot(away), depth];
+      });
+      if (distance > 0) {
+        const middle = (k) => {
+          const slopes = seen.map((s) => s[k] / s[3]);
+          return (distance * (Math.min(...slopes) + Math.max(...slopes))) / 2;
+        };
+        aim.addScaledVector(right, middle(0)).addScaledVector(up, middle(1));
+      }
+      distance = Math.max(...points.map((point) => {
+        const relative = point.clone().sub(aim);
+        const aside = Math.abs(relative.dot(right)) / wide;
+        return relative.dot(away) + Math.max(aside, Math.abs(relative.dot(up)) / tall);
+      }));
+    }
     controls.target.copy(aim);
-    camera.position.copy(aim).addScaledVector(away, 1.08 * distance);
+    camera.position.copy(aim).addScaledVector(away, 1.1 * distance);
     this.direction = direction;
     this.moved = false;
     controls.update();
