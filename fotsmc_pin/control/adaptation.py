@@ -8,10 +8,7 @@ from typing import TYPE_CHECKING
 from fotsmc_pin.compiled import kernel
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+    from fotsmc_pin.control.gains import Array
 
 ADAPTATION = ("printed", "dead_zone", "leakage", "projection")
 """Names of the adaptation laws, in the order of their codes inside kernels.
@@ -27,7 +24,7 @@ PRINTED, DEAD_ZONE, LEAKAGE, PROJECTION = range(4)
 
 @kernel
 def adapt(
-    B: Array, B_start: Array, S: Array, v: Array, dt: float, kind: int, parameters: Array
+    dt: float, B: Array, B_start: Array, S: Array, v: Array, kind: int, parameters: Array
 ) -> None:
     """Advance `B = (B̂0, B̂1)` by one tick; `parameters`: rates of both, threshold, leak, largest."""
     rate_0, rate_1, threshold, leak, largest = (

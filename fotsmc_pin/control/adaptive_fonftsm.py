@@ -9,11 +9,13 @@ import numpy as np
 
 from fotsmc_pin.control.adaptation import ADAPTATION, adapt
 from fotsmc_pin.control.controller import V
-from fotsmc_pin.control.fonftsm import FONFTSM, PRACTICAL, SurfaceGains
+from fotsmc_pin.control.fonftsm import FONFTSM, PRACTICAL, SurfaceGains, control_law
 from fotsmc_pin.control.gains import option, scalar
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+
+    from fotsmc_pin.control.gains import Array
 
 RATES = ("inverse", "direct")
 
@@ -25,7 +27,8 @@ class AdaptiveFONFTSMGains(SurfaceGains):
     Attributes:
         upsilon_0: `υ0` of [23].
         upsilon_1: `υ1` of [24].
-        adaptation_rate: "inverse", the rate is `υ^{-1}` as printed; "direct", it is `υ` (reading R1).
+        adaptation_rate: "inverse", the rate is `υ^{-1}` as printed; "direct", it is `υ` (reading
+            R1).
         B0_start: `B̂0` at the start.
         B1_start: `B̂1` at the start.
         adaptation: one of `ADAPTATION`.
@@ -69,25 +72,25 @@ class AdaptiveFONFTSM(FONFTSM):
         "practical": PRACTICAL | {"adaptation": "leakage", "upsilon_0": 1.0, "upsilon_1": 1.0},
     }
 
-    def _prepare_bounds(self) -> None:
+    def _prepare(self) -> None:
+        super()._prepare()
         g = self.gains
-        self._state = self._bounds = np.array([g.B0_start, g.B1_start])
-        self._signals["b_hat"] = self._bounds
-        self._bounds_start = self._bounds.copy()
+        self._state = self._signals["b_hat"] = self._bounds
         upsilon = np.array([g.upsilon_0, g.upsilon_1])
         rates = 1.0 / upsilon if g.adaptation_rate == "inverse" else upsilon
-        self._adaptation = np.array([*rates, g.dead_zone, g.leakage, g.largest_bound])
-        self._adaptation_kind = ADAPTATION.index(g.adaptation)
+        self._adaptation = (
+            self._bounds,
+            self._bounds.copy(),
+            self._signals["s"],
+            self._motion[V],
+            ADAPTATION.index(g.adaptation),
+            np.array([*rates, g.dead_zone, g.leakage, g.largest_bound]),
+        )
+
+    def _first_bounds(self) -> Array:
+        return np.array([self.gains.B0_start, self.gains.B1_start])
 
     def _law(self, dt: float) -> None:
-        clipped = self._control_law(dt)
+        clipped = control_law(dt, *self._arguments)
         if not clipped:
-            adapt(
-                self._bounds,
-                self._bounds_start,
-                self._work[0],
-                self._motion[V],
-                dt,
-                self._adaptation_kind,
-                self._adaptation,
-            )
+            adapt(dt, *self._adaptation)

@@ -5,19 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
-import numpy as np
-
 from fotsmc_pin.compiled import kernel
-from fotsmc_pin.control.controller import A_D, ED, Controller, E
+from fotsmc_pin.control.acceleration_law import AccelerationLaw
+from fotsmc_pin.control.controller import A_D, ED, E
 from fotsmc_pin.control.gains import Gains, per_joint
 from fotsmc_pin.control.saturation import integrated, inverse_dynamics
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+    from fotsmc_pin.control.gains import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -35,7 +32,7 @@ class ComputedTorqueGains(Gains):
     ki: Array = per_joint(0.0, "1/s³", at_least=0.0)
 
 
-class ComputedTorque(Controller):
+class ComputedTorque(AccelerationLaw):
     """Computed torque with a PD or PID loop.
 
         a = a_d - K_d ė - K_p e - K_i ∫e dt,   τ = M0 a + C0 v + G0
@@ -52,24 +49,11 @@ class ComputedTorque(Controller):
     }
 
     def _prepare(self) -> None:
-        g = self.gains
-        self._gains = self._pack(g.kp, g.kd, g.ki)
-        self._state = np.zeros(self.arm.nv)
-        self._work = np.zeros((2, self.arm.nv))
+        super()._prepare()
         self._signals = {"integral": self._state}
 
     def _law(self, dt: float) -> None:
-        control_law(
-            dt,
-            self._motion,
-            self._M0,
-            self._h0,
-            self._effort_limit,
-            self._gains,
-            self._state,
-            self._work,
-            self._tau,
-        )
+        control_law(dt, *self._arguments)
 
 
 @kernel
@@ -80,6 +64,7 @@ def control_law(
     h0: Array,
     effort_limit: Array,
     gains: Array,
+    kind: int,
     z: Array,
     work: Array,
     tau: Array,
@@ -87,7 +72,7 @@ def control_law(
     """One tick of computed torque; `z` is the integral."""
     e, ed, a_d = motion[E], motion[ED], motion[A_D]
     kp, kd, ki = gains[0], gains[1], gains[2]
-    a, excess = work[0], work[1]
+    a, excess = work[1], work[2]
 
     for i in range(e.size):
         a[i] = a_d[i] - kd[i] * ed[i] - kp[i] * e[i] - z[i]

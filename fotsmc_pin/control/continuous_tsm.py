@@ -3,22 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from fotsmc_pin.compiled import kernel
-from fotsmc_pin.control.controller import A_D, ED, Controller, E
+from fotsmc_pin.control.acceleration_law import AccelerationLaw
+from fotsmc_pin.control.controller import A_D, ED, E
 from fotsmc_pin.control.gains import Gains, per_joint, scalar
 from fotsmc_pin.control.saturation import inverse_dynamics
 from fotsmc_pin.control.switching import sig
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+    from fotsmc_pin.control.gains import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -40,7 +35,7 @@ class ContinuousTSMGains(Gains):
     rho: float = scalar(0.6, above=0.0, below=1.0)
 
 
-class ContinuousTSM(Controller):
+class ContinuousTSM(AccelerationLaw):
     """Continuous terminal sliding mode on `s = e + β sig(ė)^γ`, `1 < γ < 2`, [45].
 
         τ = C0 v + G0 + M0 a_d - M0 β^{-1} γ^{-1} sig(ė)^{2-γ} - M0 (K1 s + K2 sig(s)^ρ)
@@ -51,35 +46,21 @@ class ContinuousTSM(Controller):
     """
 
     Gains = ContinuousTSMGains
-    presets: ClassVar[Mapping[str, Mapping[str, Any]]] = {
-        "default": {}
-    }
-
-    def _prepare(self) -> None:
-        g = self.gains
-        self._gains = self._pack(g.beta, g.gamma, g.K1, g.K2, g.rho)
-        self._work = np.zeros((3, self.arm.nv))
-        self._signals = {"s": self._work[0]}
 
     def _law(self, dt: float) -> None:
-        control_law(
-            self._motion,
-            self._M0,
-            self._h0,
-            self._effort_limit,
-            self._gains,
-            self._work,
-            self._tau,
-        )
+        control_law(dt, *self._arguments)
 
 
 @kernel
 def control_law(
+    dt: float,
     motion: Array,
     M0: Array,
     h0: Array,
     effort_limit: Array,
     gains: Array,
+    kind: int,
+    z: Array,
     work: Array,
     tau: Array,
 ) -> None:

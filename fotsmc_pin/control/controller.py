@@ -11,21 +11,26 @@ import pinocchio as pin
 
 from fotsmc_pin import checks
 from fotsmc_pin.compiled import kernel
-from fotsmc_pin.control.gains import Gains
+from fotsmc_pin.control.saturation import clip
 from fotsmc_pin.errors import ArgumentError, MeasurementError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
     from fotsmc_pin.arms import Arm
+    from fotsmc_pin.control.gains import Array, Gains
     from fotsmc_pin.fractional import Stream
 
-    Array = NDArray[np.float64]
-
 LARGEST = 1e8
-"""Errors, speeds and accelerations beyond this are taken as this, so that nothing overflows."""
+"""Positions, speeds and accelerations beyond this are taken as this, so that nothing overflows."""
+
+SHORTEST_TICK, LONGEST_TICK = 1e-3, 1e6
+"""Measured periods of a tick are refused outside these multiples of the nominal one."""
+
+ROUNDNESS = 1e-3
+"""How far the cosine and sine of a continuous joint may lie from the unit circle."""
 
 E, ED, V, V_D, A_D = range(5)
 """Rows of a controller's `motion`: `e`, `ė`, `v`, `v_d`, `a_d`."""
@@ -66,22 +71,24 @@ class Controller(ABC):
         self.preset = checks.choice("preset", preset or next(iter(self.presets)), [*self.presets])
         self.gains: Any = self.Gains.resolve(arm.nv, self.presets[self.preset], gains)
         self._model, self._data = arm.model, arm.model.createData()
+        self._euclidean = arm.is_euclidean
         self._q, self._q_d = np.zeros(arm.nq), np.zeros(arm.nq)
         self._motion = np.zeros((5, arm.nv))
         self._tau = np.zeros(arm.nv)
         self._effort_limit = np.array(arm.effort_limit)
-        # Live views on Pinocchio's results. M0 is symmetric, so its transpose is itself, in C order.
+        # Live views on Pinocchio's results. M0 is symmetric: its transpose is itself, in C order.
         self._M0: Array = self._data.M.T
         self._h0: Array = self._data.nle
         self._streams: list[Stream] = []
         self._state = np.zeros(0)
         self._signals: dict[str, Array] = {}
+        self._arguments: tuple[Any, ...] = ()
         self._prepare()
         self._initial_state = self._state.copy()
 
     @abstractmethod
     def _prepare(self) -> None:
-        """Pack the gains for the kernel; allocate `_streams`, `_state` and `_signals`."""
+        """Allocate `_streams`, `_state` and `_signals`; gather the kernel's `_arguments`."""
 
     @abstractmethod
     def _law(self, dt: float) -> None:
@@ -122,13 +129,14 @@ class Controller(ABC):
             self._take(motion[A_D], a_d)
         except (TypeError, ValueError):
             raise self._fault(q, v, q_d, v_d, a_d) from None
-        motion[E] = pin.difference(self._model, self._q_d, self._q)
-        if not complete(motion):
+        if not usable(self._q, self._q_d, motion) or not (self._euclidean or self._on_circles()):
             raise self._fault(q, v, q_d, v_d, a_d)
         if dt is None:
             dt = self.dt
-        elif not 0.0 < dt < math.inf:
-            raise ArgumentError("dt", dt, "give the measured period in seconds, above 0")
+        else:
+            shortest, longest = SHORTEST_TICK * self.dt, LONGEST_TICK * self.dt
+            dt = checks.finite_number("dt", dt, at_least=shortest, at_most=longest)
+        motion[E] = pin.difference(self._model, self._q_d, self._q)
         self._model_terms()
         self._law(dt)
         return self._tau.copy()
@@ -178,16 +186,28 @@ class Controller(ABC):
                 checks.finite_vector(name, value, size)
             except ArgumentError as error:
                 return MeasurementError(name, value, error.remedy)
-        return MeasurementError("q", values[0], "the error to q_d must be finite")
+        name, value = ("q_d", values[2]) if self._on_circle(self._q) else ("q", values[0])
+        return MeasurementError(name, value, "give the cosine and sine of each continuous joint")
+
+    def _on_circles(self) -> bool:
+        """Return whether the continuous joints of `q` and `q_d` are cosines and sines."""
+        return self._on_circle(self._q) and self._on_circle(self._q_d)
+
+    def _on_circle(self, q: Array) -> bool:
+        return bool(pin.isNormalized(self._model, q, ROUNDNESS))
 
 
 @kernel
-def complete(motion: Array) -> bool:
-    """Fill in `ė = v - v_d`; return whether everything is finite, and keep it below `LARGEST`."""
+def usable(q: Array, q_d: Array, motion: Array) -> bool:
+    """Return whether all is finite; keep it below `LARGEST` and fill in `ė = v - v_d`."""
+    for k in range(q.size):
+        if not (math.isfinite(q[k]) and math.isfinite(q_d[k])):
+            return False
+        q[k], q_d[k] = clip(q[k], LARGEST), clip(q_d[k], LARGEST)
     for j in range(motion.shape[1]):
-        for row in (E, V, V_D, A_D):
+        for row in (V, V_D, A_D):
             if not math.isfinite(motion[row, j]):
                 return False
-            motion[row, j] = min(max(motion[row, j], -LARGEST), LARGEST)
+            motion[row, j] = clip(motion[row, j], LARGEST)
         motion[ED, j] = motion[V, j] - motion[V_D, j]
     return True

@@ -1,9 +1,8 @@
-"""`FONFTSM`: fractional-order non-singular fast terminal sliding mode with known bounds, [19]-[21]."""
+"""`FONFTSM`: fractional-order non-singular fast terminal sliding mode, bounds known, [19]-[21]."""
 
 from __future__ import annotations
 
 import math
-import warnings
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -12,7 +11,8 @@ import numpy as np
 from fotsmc_pin.compiled import kernel
 from fotsmc_pin.control.controller import A_D, ED, Controller, E, V
 from fotsmc_pin.control.gains import Gains, option, per_joint, scalar
-from fotsmc_pin.control.saturation import clip, unwound
+from fotsmc_pin.control.paper_condition import warn_of_power
+from fotsmc_pin.control.saturation import inverse_dynamics, unwound
 from fotsmc_pin.control.switching import SWITCHING, sig, switch
 from fotsmc_pin.fractional import FractionalDerivative, FractionalIntegral
 from fotsmc_pin.fractional.advance import advance, commit, predict
@@ -20,9 +20,7 @@ from fotsmc_pin.fractional.advance import advance, commit, predict
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+    from fotsmc_pin.control.gains import Array
 
 INERTIA = ("inside", "outside")
 
@@ -37,10 +35,6 @@ PRACTICAL: dict[str, Any] = {
     "tempering": 3.0,
 }
 """Gains that need no tuning to the arm's inertia, and obey `1 < p/q < 2`."""
-
-
-class PaperConditionWarning(UserWarning):
-    """The chosen gains break a condition that the paper's own proof demands."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -108,18 +102,12 @@ class FONFTSM(Controller):
         PaperConditionWarning: `1 < p/q < 2` does not hold (as in the paper's own simulation).
     """
 
-    Gains = FONFTSMGains
+    Gains: ClassVar[type[SurfaceGains]] = FONFTSMGains
     presets: ClassVar[Mapping[str, Mapping[str, Any]]] = {"paper": {}, "practical": PRACTICAL}
 
     def _prepare(self) -> None:
         g, n = self.gains, self.arm.nv
-        if not 1.0 < g.power < 2.0:
-            warnings.warn(
-                f"power = {g.power:g} breaks the condition 1 < p/q < 2 that the paper's proof demands: "
-                f"|e|^(p/q-1) is singular at e = 0 and is held by error_floor = {g.error_floor:g}",
-                PaperConditionWarning,
-                stacklevel=4,
-            )
+        warn_of_power(g.power, g.error_floor, stacklevel=4)
         memory = {
             "order": g.alpha,
             "dt": self.dt,
@@ -129,32 +117,18 @@ class FONFTSM(Controller):
         self._derivative = FractionalDerivative(**memory).stream(n)
         self._integral = FractionalIntegral(**memory).stream(n)
         self._streams = [self._derivative, self._integral]
-        self._gains = self._pack(
-            g.A, g.lam, g.power, g.error_floor, g.theta, g.mu, g.boundary_layer
-        )
-        self._kind, self._inside = SWITCHING.index(g.switching), g.inertia == "inside"
-        self._work = np.zeros((3, n))
+        self._work = np.zeros((6, n))
         self._signals = {"s": self._work[0], "w": self._work[1]}
-        self._prepare_bounds()
-
-    def _prepare_bounds(self) -> None:
-        self._bounds = np.array([self.gains.B0, self.gains.B1])
-
-    def _law(self, dt: float) -> None:
-        self._control_law(dt)
-
-    def _control_law(self, dt: float) -> bool:
-        """Run the kernel; return whether a torque was clipped."""
-        return control_law(
-            dt,
+        self._bounds = self._first_bounds()
+        self._arguments = (
             self._motion,
             self._M0,
             self._h0,
             self._effort_limit,
-            self._gains,
+            self._pack(g.A, g.lam, g.power, g.error_floor, g.theta, g.mu, g.boundary_layer),
             self._bounds,
-            self._kind,
-            self._inside,
+            SWITCHING.index(g.switching),
+            g.inertia == "inside",
             self._derivative.coefficients,
             self._derivative.memory,
             self._integral.coefficients,
@@ -162,6 +136,12 @@ class FONFTSM(Controller):
             self._work,
             self._tau,
         )
+
+    def _first_bounds(self) -> Array:
+        return np.array([self.gains.B0, self.gains.B1])
+
+    def _law(self, dt: float) -> None:
+        control_law(dt, *self._arguments)
 
 
 @kernel
@@ -187,7 +167,7 @@ def control_law(
     A, lam, r, floor, theta, mu, phi = (
         gains[0], gains[1], gains[2], gains[3], gains[4], gains[5], gains[6],
     )  # fmt: skip
-    S, w, x = work[0], work[1], work[2]
+    S, w, x, y, a, excess = work[0], work[1], work[2], work[3], work[4], work[5]
     n = e.size
 
     # [19] S = D^α ė + A e + λ sig(e)^{p/q}
@@ -195,7 +175,7 @@ def control_law(
     for i in range(n):
         S[i] += A[i] * e[i] + lam[i] * sig(e[i], r[i])
 
-    # [21] the integrand: x is multiplied by M0, the switching term is not
+    # [21] the integrand w: M0 multiplies x where it stands inside, and never the switching term
     speed = math.sqrt(np.dot(v, v))
     for i in range(n):
         x[i] = (
@@ -204,8 +184,8 @@ def control_law(
             + A[i] * ed[i]
             + lam[i] * r[i] * max(abs(e[i]), floor[i]) ** (r[i] - 1.0) * ed[i]
         )
-        w[i] = (bounds[0] + bounds[1] * speed) * switch(S[i], kind, phi[i])
     for i in range(n):
+        w[i] = (bounds[0] + bounds[1] * speed) * switch(S[i], kind, phi[i])
         if inside:
             for j in range(n):
                 w[i] += M0[i, j] * x[j]
@@ -213,22 +193,19 @@ def control_law(
             w[i] += x[i]
 
     # [21] τ = C0 v + G0 + M0 a_d - D^{-α} w, or with M0 outside: C0 v + G0 + M0 (a_d - D^{-α} w)
-    gain = predict(integral, integral_memory, dt, x)
-    clipped = False
+    gain = predict(integral, integral_memory, dt, y)
     for i in range(n):
-        tau[i] = h0[i]
-        for j in range(n):
-            tau[i] += M0[i, j] * (a_d[j] if inside else a_d[j] - x[j] - gain * w[j])
-        if inside:
-            tau[i] -= x[i] + gain * w[i]
+        y[i] += gain * w[i]
+        a[i] = a_d[i] if inside else a_d[i] - y[i]
+        y[i] = h0[i] - y[i] if inside else h0[i]
+    inverse_dynamics(M0, y, a, effort_limit, tau, excess)
 
     # What the actuator cannot follow does not enter the memory.
+    clipped = False
     for i in range(n):
-        within = clip(tau[i], effort_limit[i])
-        if within != tau[i]:
+        if excess[i] != 0.0:
             clipped = True
             inertia = 1.0 if inside else M0[i, i]
-            w[i] = unwound(w[i], tau[i] - within, gain * inertia)
-            tau[i] = within
+            w[i] = unwound(w[i], excess[i], gain * inertia)
     commit(integral, integral_memory, w, dt)
     return clipped

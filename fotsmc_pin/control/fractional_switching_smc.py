@@ -1,9 +1,9 @@
-"""`FractionalSwitchingSMC`: the sign passes through a fractional integral (representative of [34])."""
+"""`FractionalSwitchingSMC`: the sign passes through a fractional integral (stands for [34])."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,16 +11,12 @@ from fotsmc_pin.compiled import kernel
 from fotsmc_pin.control.controller import A_D, ED, Controller, E
 from fotsmc_pin.control.gains import Gains, option, per_joint, scalar
 from fotsmc_pin.control.saturation import inverse_dynamics, unwound
-from fotsmc_pin.control.switching import SWITCHING, switch
+from fotsmc_pin.control.switching import SIGN_OR_LAYER, SWITCHING, switch
 from fotsmc_pin.fractional import FractionalIntegral
 from fotsmc_pin.fractional.advance import commit, predict
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+    from fotsmc_pin.control.gains import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -47,7 +43,7 @@ class FractionalSwitchingSMCGains(Gains):
 
 
 class FractionalSwitchingSMC(Controller):
-    """Sliding mode whose sign passes through `D^{-α}`; representative of [34], which is not printed.
+    """Sliding mode whose sign passes through `D^{-α}`; representative: [34] is not printed.
 
         a = a_d - Λ ė - K s - η D^{-α} sign(s),   τ = M0 a + C0 v + G0,   s = ė + Λ e
 
@@ -56,36 +52,31 @@ class FractionalSwitchingSMC(Controller):
     """
 
     Gains = FractionalSwitchingSMCGains
-    presets: ClassVar[Mapping[str, Mapping[str, Any]]] = {
-        "sign": {},
-        "boundary_layer": {"switching": "saturation"},
-    }
+    presets = SIGN_OR_LAYER
     representative = True
 
     def _prepare(self) -> None:
         g = self.gains
-        self._gains = self._pack(g.Lambda, g.K, g.eta, g.boundary_layer)
-        self._kind = SWITCHING.index(g.switching)
         integral = FractionalIntegral(order=g.alpha, dt=self.dt, tempering=g.tempering)
-        self._integral = integral.stream(self.arm.nv)
-        self._streams = [self._integral]
-        self._work = np.zeros((5, self.arm.nv))
-        self._signals = {"s": self._work[0], "switched": self._work[1]}
-
-    def _law(self, dt: float) -> None:
-        control_law(
-            dt,
+        stream = integral.stream(self.arm.nv)
+        self._streams = [stream]
+        work = np.zeros((5, self.arm.nv))
+        self._signals = {"s": work[0], "switched": work[1]}
+        self._arguments = (
             self._motion,
             self._M0,
             self._h0,
             self._effort_limit,
-            self._gains,
-            self._kind,
-            self._integral.coefficients,
-            self._integral.memory,
-            self._work,
+            self._pack(g.Lambda, g.K, g.eta, g.boundary_layer),
+            SWITCHING.index(g.switching),
+            stream.coefficients,
+            stream.memory,
+            work,
             self._tau,
         )
+
+    def _law(self, dt: float) -> None:
+        control_law(dt, *self._arguments)
 
 
 @kernel

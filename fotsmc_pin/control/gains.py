@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import math
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import Field, asdict, dataclass, field, fields
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
@@ -15,6 +15,9 @@ from fotsmc_pin.errors import ArgumentError
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
     G = TypeVar("G", bound="Gains")
 
 
@@ -32,9 +35,16 @@ def scalar(
 
 
 def per_joint(
-    default: float, unit: str = "", *, above: float = -math.inf, at_least: float = -math.inf
+    default: float | None,
+    unit: str = "",
+    *,
+    above: float = -math.inf,
+    at_least: float = -math.inf,
 ) -> Any:
-    """One number per joint; a scalar stands for all of them."""
+    """One number per joint; a scalar stands for all of them.
+
+    With a default of None the law finds the numbers itself where none are given.
+    """
     bounds = {"above": above, "at_least": at_least}
     return field(default=default, metadata={"kind": "per joint", "unit": unit, "bounds": bounds})
 
@@ -67,16 +77,22 @@ class Gains:
                 hint = f"did you mean {near[0]}? " if near else ""
                 raise ArgumentError(name, value, f"{hint}the gains are {', '.join(known)}")
         values = {name: f.default for name, f in known.items()} | dict(preset) | dict(given)
-        return cls(
-            **{name: _checked(name, values[name], f.metadata, n) for name, f in known.items()}
-        )
+        return cls(**{name: _checked(name, values[name], f, n) for name, f in known.items()})
+
+    def numbers(self) -> list[Any]:
+        """Return the numeric gains in the order of their fields, options left out."""
+        numeric = ("scalar", "per joint")
+        return [getattr(self, f.name) for f in fields(self) if f.metadata["kind"] in numeric]
 
     def as_dict(self) -> dict[str, Any]:
         """Return the gains as plain data; equal entries per joint fold into one number."""
         return {name: _plain(value) for name, value in asdict(self).items()}
 
 
-def _checked(name: str, value: Any, metadata: Mapping[str, Any], n: int) -> Any:
+def _checked(name: str, value: Any, found: Field[Any], n: int) -> Any:
+    metadata = found.metadata
+    if value is None and found.default is None:
+        return None
     match metadata["kind"]:
         case "scalar":
             return checks.finite_number(name, value, **metadata["bounds"])

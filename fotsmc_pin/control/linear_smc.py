@@ -3,22 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from fotsmc_pin.compiled import kernel
-from fotsmc_pin.control.controller import A_D, ED, Controller, E
+from fotsmc_pin.control.acceleration_law import AccelerationLaw
+from fotsmc_pin.control.controller import A_D, ED, E
 from fotsmc_pin.control.gains import Gains, option, per_joint
 from fotsmc_pin.control.saturation import inverse_dynamics
-from fotsmc_pin.control.switching import SWITCHING, switch
+from fotsmc_pin.control.switching import SIGN_OR_LAYER, SWITCHING, switch
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+    from fotsmc_pin.control.gains import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -40,7 +35,7 @@ class LinearSMCGains(Gains):
     boundary_layer: Array = per_joint(0.1, "rad/s", above=0.0)
 
 
-class LinearSMC(Controller):
+class LinearSMC(AccelerationLaw):
     """Sliding mode on `s = ė + Λ e`, with the sign or a boundary layer.
 
         a = a_d - Λ ė - K s - η sign(s),   τ = M0 a + C0 v + G0
@@ -51,39 +46,22 @@ class LinearSMC(Controller):
     """
 
     Gains = LinearSMCGains
-    presets: ClassVar[Mapping[str, Mapping[str, Any]]] = {
-        "sign": {},
-        "boundary_layer": {"switching": "saturation"},
-    }
-
-    def _prepare(self) -> None:
-        g = self.gains
-        self._gains = self._pack(g.Lambda, g.K, g.eta, g.boundary_layer)
-        self._kind = SWITCHING.index(g.switching)
-        self._work = np.zeros((3, self.arm.nv))
-        self._signals = {"s": self._work[0]}
+    presets = SIGN_OR_LAYER
 
     def _law(self, dt: float) -> None:
-        control_law(
-            self._motion,
-            self._M0,
-            self._h0,
-            self._effort_limit,
-            self._gains,
-            self._kind,
-            self._work,
-            self._tau,
-        )
+        control_law(dt, *self._arguments)
 
 
 @kernel
 def control_law(
+    dt: float,
     motion: Array,
     M0: Array,
     h0: Array,
     effort_limit: Array,
     gains: Array,
     kind: int,
+    z: Array,
     work: Array,
     tau: Array,
 ) -> None:

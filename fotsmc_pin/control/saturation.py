@@ -7,10 +7,7 @@ from typing import TYPE_CHECKING
 from fotsmc_pin.compiled import kernel
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+    from fotsmc_pin.control.gains import Array
 
 
 @kernel
@@ -23,7 +20,7 @@ def clip(x: float, limit: float) -> float:
 def inverse_dynamics(
     M0: Array, h0: Array, a: Array, effort_limit: Array, tau: Array, excess: Array
 ) -> None:
-    """`τ = M0 a + C0 v + G0` within the limits; `excess` is what had to be cut off, with its sign."""
+    """`τ = M0 a + C0 v + G0` within the limits; `excess` is what was cut off, with its sign."""
     for i in range(a.size):
         wanted = h0[i]
         for j in range(a.size):

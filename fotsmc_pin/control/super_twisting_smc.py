@@ -3,22 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from fotsmc_pin.compiled import kernel
-from fotsmc_pin.control.controller import A_D, ED, Controller, E
+from fotsmc_pin.control.acceleration_law import AccelerationLaw
+from fotsmc_pin.control.controller import A_D, ED, E
 from fotsmc_pin.control.gains import Gains, option, per_joint
 from fotsmc_pin.control.saturation import integrated, inverse_dynamics
-from fotsmc_pin.control.switching import SWITCHING, sig, switch
+from fotsmc_pin.control.switching import SIGN_OR_LAYER, SWITCHING, sig, switch
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+    from fotsmc_pin.control.gains import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -40,7 +35,7 @@ class SuperTwistingSMCGains(Gains):
     boundary_layer: Array = per_joint(0.1, "rad/s", above=0.0)
 
 
-class SuperTwistingSMC(Controller):
+class SuperTwistingSMC(AccelerationLaw):
     """Super-twisting on `s = ė + Λ e`; representative: the law of [49] is not printed in the paper.
 
         a = a_d - Λ ė - k1 sig(s)^{1/2} - z,   dz/dt = k2 sign(s),   τ = M0 a + C0 v + G0
@@ -51,33 +46,15 @@ class SuperTwistingSMC(Controller):
     """
 
     Gains = SuperTwistingSMCGains
-    presets: ClassVar[Mapping[str, Mapping[str, Any]]] = {
-        "sign": {},
-        "boundary_layer": {"switching": "saturation"},
-    }
+    presets = SIGN_OR_LAYER
     representative = True
 
     def _prepare(self) -> None:
-        g = self.gains
-        self._gains = self._pack(g.Lambda, g.k1, g.k2, g.boundary_layer)
-        self._kind = SWITCHING.index(g.switching)
-        self._work = np.zeros((3, self.arm.nv))
-        self._state = np.zeros(self.arm.nv)
-        self._signals = {"s": self._work[0], "z": self._state}
+        super()._prepare()
+        self._signals["z"] = self._state
 
     def _law(self, dt: float) -> None:
-        control_law(
-            dt,
-            self._motion,
-            self._M0,
-            self._h0,
-            self._effort_limit,
-            self._gains,
-            self._kind,
-            self._state,
-            self._work,
-            self._tau,
-        )
+        control_law(dt, *self._arguments)
 
 
 @kernel

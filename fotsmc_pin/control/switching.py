@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING, Any
 
 from fotsmc_pin.compiled import kernel
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
 
 SWITCHING = ("sign", "saturation", "tanh", "power")
 """Names of the switching functions, in the order of their codes inside kernels.
@@ -16,6 +20,12 @@ SWITCHING = ("sign", "saturation", "tanh", "power")
 """
 
 SIGN, SATURATION, TANH, POWER = range(4)
+
+SIGN_OR_LAYER: Mapping[str, Mapping[str, Any]] = {
+    "sign": {},
+    "boundary_layer": {"switching": "saturation"},
+}
+"""Presets of the laws that switch: the pure sliding mode, and the boundary layer."""
 
 
 @kernel

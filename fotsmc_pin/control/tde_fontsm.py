@@ -1,8 +1,8 @@
-"""`TDEFONTSM`: time-delay estimation with a fractional terminal surface (representative of [50])."""
+"""`TDEFONTSM`: time-delay estimation with a fractional terminal surface (stands for [50])."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -16,9 +16,8 @@ from fotsmc_pin.fractional import FractionalDerivative, FractionalIntegral
 from fotsmc_pin.fractional.advance import advance
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+    from fotsmc_pin.arms import Arm
+    from fotsmc_pin.control.gains import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -37,7 +36,7 @@ class TDEFONTSMGains(Gains):
         filter_rate: cut-off of the low-pass that the delayed torque and acceleration pass [rad/s].
     """
 
-    inertia: Array = per_joint(1.0, "kg·m²", above=0.0)
+    inertia: Array | None = per_joint(None, "kg·m²", above=0.0)
     Lambda: Array = per_joint(10.0, "1/s", above=0.0)
     k: Array = per_joint(5.0, "", at_least=0.0)
     power: float = scalar(0.9, above=0.0, below=1.0)
@@ -67,36 +66,45 @@ class TDEFONTSM(Controller):
     representative: ClassVar[bool] = True
 
     def _prepare(self) -> None:
-        g, n = self.gains, self.arm.nv
-        self._gains = self._pack(
-            g.inertia, g.Lambda, g.k, g.power, g.K1, g.K2, g.rho, g.filter_rate
-        )
-        self._integral = FractionalIntegral(order=g.alpha, dt=self.dt).stream(n)
-        self._derivative = FractionalDerivative(order=1.0 - g.alpha, dt=self.dt).stream(n)
-        self._streams = [self._integral, self._derivative]
+        n = self.arm.nv
+        if self.gains.inertia is None:
+            self.gains = replace(self.gains, inertia=lightest_inertia(self.arm))
+        g = self.gains
+        integral = FractionalIntegral(order=g.alpha, dt=self.dt).stream(n)
+        derivative = FractionalDerivative(order=1.0 - g.alpha, dt=self.dt).stream(n)
+        self._streams = [integral, derivative]
         # Rows: speed of the last tick, filtered estimate, and, in its first entry, whether there
         # was a last tick.
         self._state = np.zeros((3, n))
-        self._work = np.zeros((5, n))
-        self._signals = {"s": self._work[0], "delay_estimate": self._work[1]}
+        work = np.zeros((5, n))
+        self._signals = {"s": work[0], "delay_estimate": work[1]}
+        self._arguments = (
+            self._motion,
+            self._effort_limit,
+            self._pack(g.inertia, g.Lambda, g.k, g.power, g.K1, g.K2, g.rho, g.filter_rate),
+            integral.coefficients,
+            integral.memory,
+            derivative.coefficients,
+            derivative.memory,
+            self._state,
+            work,
+            self._tau,
+        )
 
     def _model_terms(self) -> None:
         """Evaluate nothing: the law has no model."""
 
     def _law(self, dt: float) -> None:
-        control_law(
-            dt,
-            self._motion,
-            self._effort_limit,
-            self._gains,
-            self._integral.coefficients,
-            self._integral.memory,
-            self._derivative.coefficients,
-            self._derivative.memory,
-            self._state,
-            self._work,
-            self._tau,
-        )
+        control_law(dt, *self._arguments)
+
+
+def lightest_inertia(arm: Arm) -> Array:
+    """Return the inertia (nv,) [kg·m²] that each joint shows while all others are free to move.
+
+    This is `1 / diag(M0^{-1})` at the arm's neutral configuration.
+    """
+    lightest: Array = 1.0 / np.diag(np.linalg.inv(arm.mass_matrix(arm.neutral)))
+    return lightest
 
 
 @kernel
