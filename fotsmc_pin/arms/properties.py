@@ -153,7 +153,7 @@ def _set_armature(robot: ET.Element, joint: str, armature: float) -> None:
         ET.SubElement(transmission, "type").text = "transmission_interface/SimpleTransmission"
         ET.SubElement(transmission, "joint", name=joint)
         actuators = [ET.SubElement(transmission, "actuator", name=f"{joint}_motor")]
-        robot.set("xmlns:drake", "http://drake.mit.edu")
+    robot.attrib.setdefault("xmlns:drake", "http://drake.mit.edu")
     for number, actuator in enumerate(actuators):
         _child(actuator, "drake:rotor_inertia").set("value", repr(armature if not number else 0.0))
         _child(actuator, "drake:gear_ratio").set("value", "1.0")
