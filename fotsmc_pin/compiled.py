@@ -1,4 +1,9 @@
-"""The one way to compile: `@kernel`, Numba in nopython mode with a cache on disk."""
+"""The one way to compile: `@kernel`, Numba in nopython mode with a cache on disk.
+
+A call of a kernel from Python first looks up the types of all arguments, which in a tick of control
+costs as much as the arithmetic. `settled` does so once, for arrays of one's own; `strict` keeps a
+kernel that is given other people's arrays from compiling anew in the middle of a run.
+"""
 
 from __future__ import annotations
 
@@ -39,6 +44,31 @@ def kernel(function: Any = None, *, sums_in_any_order: bool = False) -> Any:
         compiled = numba.njit(fastmath=freedom)(function)
     _follow_every_source(compiled)
     return compiled
+
+
+def settled(function: Function, *examples: Any) -> Function:
+    """Return the machine code of the kernel `function` for the types of `examples`.
+
+    It is compiled here and now. Each call must give exactly these types and memory layouts: they
+    are not checked. With compilation switched off this is the plain function.
+    """
+    settle: Any = getattr(function, "compile", None)
+    if settle is None:
+        return function
+    code: Function = settle(tuple(numba.typeof(value) for value in examples))
+    return code
+
+
+def strict(function: Function, *examples: Any) -> Function:
+    """Compile the kernel `function` for the types of `examples`; from now on it refuses others.
+
+    A refusal is a `TypeError`. With compilation switched off nothing is refused.
+    """
+    kernel: Any = function
+    if hasattr(kernel, "disable_compile") and not kernel.signatures:
+        settled(function, *examples)
+        kernel.disable_compile()
+    return function
 
 
 def _follow_every_source(dispatcher: Any) -> None:
