@@ -10,6 +10,7 @@ import pinocchio as pin
 
 from fotsmc_pin import checks
 from fotsmc_pin.compiled import kernel
+from fotsmc_pin.simulation.dry_friction import rub
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -35,8 +36,12 @@ class Plant:
     """Forward dynamics `M a + C v + G + D v + F_c sign(v) = τ + τ_d` of an arm, step by step.
 
     Torque is held between ticks (zero-order hold); the disturbance is evaluated at every stage
-    of the integrator. Coulomb friction passes through zero over a narrow width of speed: 1e-3, or
-    as much more as keeps one integration step from overshooting a standstill.
+    of the integrator.
+
+    Friction is explicit in "rk4": Coulomb friction passes through zero over a narrow width of
+    speed, 1e-3 or as much more as keeps one integration step from overshooting a standstill, and
+    strong damping of a light joint asks for short steps (`h D / M < 2`). In "semi-implicit" both
+    are implicit: joints stick and slip, and any step is stable.
 
     Attributes:
         q: configuration (nq,), the plant's own memory.
@@ -62,7 +67,8 @@ class Plant:
             v0: velocity (nv,).
             dt: period of a tick [s].
             substeps: integration steps in a tick.
-            integrator: "rk4" (fourth order) or "semi-implicit" (Euler, first order, symplectic).
+            integrator: "rk4" (fourth order) or "semi-implicit" (Euler, first order, symplectic;
+                friction implicit).
             disturbance: `t -> (nv,)`, torque added at the joints [N·m, N].
 
         Raises:
@@ -80,7 +86,10 @@ class Plant:
         self.v[:] = v0
         self._q_stage, self._v_stage = self.q.copy(), work[V_STAGE]
         self._load, self._step = work[LOAD], work[STEP]
-        work[DAMPING], work[FRICTION] = arm.damping, arm.friction
+        self._impulse = np.zeros(arm.nv)
+        self._rubs = not rk4 and bool(np.any(arm.friction) or np.any(arm.damping))
+        if rk4:
+            work[DAMPING], work[FRICTION] = arm.damping, arm.friction
         h = dt / self._substeps
         work[WIDTH] = np.maximum(FRICTION_WIDTH, arm.friction * h / self._lightest(self.q))
         work[LIMIT] = arm.effort_limit
@@ -121,7 +130,11 @@ class Plant:
         self._evaluate(self.q, self.v)
         if self._disturbance is not None:
             self._work[DISTURBANCE] = self._disturbance(t + h)
-        semi_implicit_step(h, self._acceleration, self._work)
+        self.v += h * self._acceleration
+        if self._rubs:
+            inverse_mass = pin.computeMinverse(self._model, self._data, self.q)
+            rub(h, inverse_mass.T, self._arm.friction, self._arm.damping, self._impulse, self.v)
+        semi_implicit_step(h, self._work)
         self.q[:] = self._moved()
 
     def _evaluate(self, q: Array, v: Array) -> None:
@@ -194,9 +207,8 @@ def rk4_finish(h: float, a: Array, work: Array) -> None:
 
 
 @kernel
-def semi_implicit_step(h: float, a: Array, work: Array) -> None:
-    """Velocity first, then the tangent step with the new velocity."""
-    for j in range(a.size):
-        work[V0, j] += h * a[j]
+def semi_implicit_step(h: float, work: Array) -> None:
+    """Leave the tangent step with the new velocity."""
+    for j in range(work.shape[1]):
         work[STEP, j] = h * work[V0, j]
     load(work, work[V0])
