@@ -1,5 +1,13 @@
 from . import errors as errors
-from .arms import Arm as Arm, load_arm as load_arm, perturb as perturb
+from . import references as references
+from .arms import (
+    Arm as Arm,
+    Payload as Payload,
+    Uniform as Uniform,
+    inspect_arm as inspect_arm,
+    load_arm as load_arm,
+    perturb as perturb,
+)
 from .control import (
     AdaptiveFONFTSM as AdaptiveFONFTSM,
     Controller as Controller,

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fotsmc_pin.checks import finite_number, finite_vector
+from fotsmc_pin.errors import ArgumentError
+from fotsmc_pin.references.limits import broken_limits
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -15,6 +17,8 @@ if TYPE_CHECKING:
     from fotsmc_pin.arms import Arm
 
     Vector = NDArray[np.float64]
+
+PEAK_FADE = 15.0 / 8.0  # Largest slope of the fade-in of unit length.
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -74,42 +78,79 @@ class Sinusoid:
         """Return sinusoids that stay inside the arm's position, velocity and effort limits.
 
         The amplitude of each joint is `amplitude`, made smaller where the room to the nearest
-        position limit, or the speed limit, asks for it. While the model's effort on the way
-        exceeds `fraction` of a limit by more than holding still at the centre does, the periods
-        are lengthened.
+        position limit or the speed limit asks for it. While the model's own effort on the way
+        exceeds `fraction` of a limit, all amplitudes are made smaller together.
 
         Args:
             arm: the arm.
-            center: configuration to swing around, (nq,); by default `arm.neutral`, moved to
-                mid-range where that lies closer to a limit than `amplitude`.
+            center: configuration to swing around, (nq,); by default `arm.neutral` moved off the
+                limits; where gravity there asks for most of the effort allowed, the nearest of a
+                fixed set of random configurations that is easier to hold.
             amplitude: largest amplitude [rad or m].
-            period: of the first joint [s]; those after it are a little longer, each its own.
+            period: of the first joint [s]; each after it is 12 % of this longer than the last.
             fraction: share of the velocity and effort limits that may be used, in (0, 1].
             ramp: length of the fade-in [s].
+
+        Raises:
+            ArgumentError: the effort limits do not even hold the arm still at the centre.
         """
         finite_number("amplitude", amplitude, above=0.0)
         finite_number("period", period, above=0.0)
         finite_number("fraction", fraction, above=0.0, at_most=1.0)
-        lower, upper = arm.lower_position_limit, arm.upper_position_limit
         if center is None:
-            x = arm.to_joint_positions(arm.neutral)
-            half = np.where(np.isfinite(upper - lower), 0.5 * (upper - lower), np.inf)
-            room = np.minimum(amplitude, half)
-            x = np.clip(x, lower + room, upper - room)
+            x = _easy_center(arm, amplitude, fraction)
         else:
             x = arm.to_joint_positions(finite_vector("center", center, arm.nq))
-        periods = period * (1.0 + 0.12 * np.arange(arm.nv))
-        room = np.minimum(x - lower, upper - x)
-        peak_speed = 2.0 * np.pi / periods + (1.875 / ramp if ramp > 0.0 else 0.0)
-        amplitudes = np.minimum(np.full(arm.nv, amplitude), 0.9 * np.maximum(room, 0.0))
-        amplitudes = np.minimum(amplitudes, fraction * arm.velocity_limit / peak_speed)
-        return cls(
-            arm=arm,
-            center=arm.from_joint_positions(x),
-            amplitude=amplitudes,
-            period=periods,
-            ramp=ramp,
+        room = np.minimum(x - arm.lower_position_limit, arm.upper_position_limit - x)
+        periods = np.asarray(period * (1.0 + 0.12 * np.arange(arm.nv)))
+        fade_speed = PEAK_FADE / ramp if ramp > 0.0 else 0.0
+        speed = 2.0 * np.pi / periods + fade_speed
+        amplitudes = np.minimum(amplitude, 0.9 * np.maximum(room, 0.0))
+        amplitudes = np.minimum(amplitudes, fraction * arm.velocity_limit / speed)
+        for _ in range(12):
+            reference = cls(
+                arm=arm,
+                center=arm.from_joint_positions(x),
+                amplitude=amplitudes,
+                period=periods,
+                ramp=ramp,
+            )
+            broken = broken_limits(
+                arm,
+                reference,
+                duration=ramp + 2.0 * float(periods.max()),
+                samples=200,
+                effort_share=fraction,
+            )
+            if not broken:
+                return reference
+            amplitudes = 0.7 * amplitudes
+        raise ArgumentError(
+            "center", center, f"even near it the arm asks for too much: {broken[0]}"
         )
+
+
+def _easy_center(arm: Arm, amplitude: float, fraction: float) -> Vector:
+    """Return joint positions, (nv,), clear of the limits and light to hold."""
+    lower, upper = arm.lower_position_limit, arm.upper_position_limit
+    half = np.where(np.isfinite(lower) & np.isfinite(upper), 0.5 * (upper - lower), np.inf)
+    room = np.minimum(amplitude, half)
+
+    def clear(q: Vector) -> Vector:
+        return np.clip(arm.to_joint_positions(q), lower + room, upper - room)
+
+    def load(x: Vector) -> float:
+        return float(np.max(np.abs(arm.gravity(arm.from_joint_positions(x))) / arm.effort_limit))
+
+    first = clear(arm.neutral)
+    if load(first) <= 0.8 * fraction:
+        return first
+    rng = np.random.default_rng(0)
+    others = [clear(arm.random_configuration(rng)) for _ in range(200)]
+    easy = [x for x in others if load(x) <= 0.5 * fraction]
+    if easy:
+        return min(easy, key=lambda x: float(np.linalg.norm(x - first)))
+    return min((first, *others), key=load)
 
 
 def _fade_in(t: float, ramp: float) -> tuple[float, float, float]:

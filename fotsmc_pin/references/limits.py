@@ -1,0 +1,87 @@
+"""`broken_limits`: which of an arm's limits a reference would break, and when."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fotsmc_pin.checks import count, finite_number
+from fotsmc_pin.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from fotsmc_pin.arms import Arm
+
+    Vector = NDArray[np.float64]
+    Reference = Callable[[float], tuple[Vector, Vector, Vector]]
+
+
+def broken_limits(
+    arm: Arm,
+    reference: Reference,
+    *,
+    duration: float | None = None,
+    samples: int = 1000,
+    effort_share: float = 1.0,
+) -> tuple[str, ...]:
+    """Return a sentence for each limit that a reference breaks; none when it keeps them all.
+
+    Positions, velocities and the model's own effort `M a_d + C v_d + G` are sampled in time.
+
+    Args:
+        arm: the arm whose limits count.
+        reference: `t -> (q_d, v_d, a_d)`.
+        duration: how far to look [s]; by default the reference's own.
+        samples: at how many times.
+        effort_share: share of the effort limits that the reference may use.
+
+    Raises:
+        ArgumentError: a duration is needed and none is given.
+    """
+    if duration is None:
+        duration = getattr(reference, "duration", None)
+    if duration is None or not np.isfinite(duration):
+        raise ArgumentError("duration", duration, "the reference has no end: say how far to look")
+    times = np.linspace(
+        0.0, finite_number("duration", duration, at_least=0.0), count("samples", samples)
+    )
+    x = np.empty((len(times), arm.nv))
+    v, tau = np.empty_like(x), np.empty_like(x)
+    for row, t in enumerate(times):
+        q_d, v_d, a_d = reference(float(t))
+        x[row], v[row] = arm.to_joint_positions(q_d), v_d
+        tau[row] = arm.inverse_dynamics(q_d, v_d, a_d)
+    efforts = effort_share * arm.effort_limit
+    sentences: list[str] = []
+    for what, values, lowest, highest, units in (
+        (
+            "position",
+            x,
+            arm.lower_position_limit,
+            arm.upper_position_limit,
+            arm.position_units,
+        ),
+        (
+            "velocity",
+            v,
+            -arm.velocity_limit,
+            arm.velocity_limit,
+            tuple(f"{unit}/s" for unit in arm.position_units),
+        ),
+        ("effort", tau, -efforts, efforts, arm.effort_units),
+    ):
+        beyond = np.maximum(values - highest, lowest - values)
+        for joint, name in enumerate(arm.joint_names):
+            row = int(np.argmax(beyond[:, joint]))
+            if beyond[row, joint] > 1e-9:
+                value = values[row, joint]
+                limit = highest[joint] if value > highest[joint] else lowest[joint]
+                sentences.append(
+                    f"{name}: {what} {value:.4g} {units[joint]} at {times[row]:.3g} s, "
+                    f"limit {limit:.4g} {units[joint]}"
+                )
+    return tuple(sentences)

@@ -1,0 +1,128 @@
+"""`JointPath`: piecewise polynomials in every joint, the common ground of planned references."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.interpolate import PPoly
+
+from fotsmc_pin.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from fotsmc_pin.arms import Arm
+
+    Vector = NDArray[np.float64]
+    Matrix = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class JointPath:
+    """A reference made of polynomials between break points.
+
+    Position, velocity and acceleration are one polynomial and its derivatives, so they agree to
+    rounding. Before its start the path rests where it begins, after its end where it ends.
+
+    Attributes:
+        arm: the arm that it is for.
+        breaks: times at which the pieces meet, (pieces + 1,) [s], from 0.
+        coefficients: of each piece in its own time, highest power first, (order, pieces, nv).
+    """
+
+    arm: Arm
+    breaks: Vector
+    coefficients: NDArray[np.float64]
+
+    @property
+    def duration(self) -> float:
+        """When the path ends [s]."""
+        return float(self.breaks[-1])
+
+    def __call__(self, t: float) -> tuple[Vector, Vector, Vector]:
+        """Return `q_d` (nq,), `v_d` (nv,) and `a_d` (nv,) at time `t` [s], all fresh arrays."""
+        position, velocity, acceleration = self._polynomials
+        x = position(min(max(t, 0.0), self.duration))
+        if 0.0 <= t <= self.duration:
+            v, a = velocity(t), acceleration(t)
+        else:
+            v, a = np.zeros(self.arm.nv), np.zeros(self.arm.nv)
+        return self.arm.from_joint_positions(x), v, a
+
+    @cached_property
+    def _polynomials(self) -> tuple[PPoly, PPoly, PPoly]:
+        position = PPoly(self.coefficients, self.breaks)
+        return position, position.derivative(1), position.derivative(2)
+
+    def extremes(self, order: int) -> tuple[Matrix, Matrix]:
+        """Return the least and greatest value of each joint's position or a derivative of it.
+
+        Args:
+            order: 0 for position, 1 for velocity, 2 for acceleration.
+
+        Returns:
+            values: (2, nv), least and greatest.
+            times: (2, nv) [s], when they occur.
+        """
+        values, times = np.empty((2, self.arm.nv)), np.empty((2, self.arm.nv))
+        for joint in range(self.arm.nv):
+            curve = PPoly(self.coefficients[:, :, joint], self.breaks).derivative(order)
+            turns = curve.derivative().roots(discontinuity=False, extrapolate=False)
+            moments = np.concatenate([self.breaks, turns[np.isfinite(turns)]])
+            heights = curve(moments)
+            for row, place in enumerate((np.argmin(heights), np.argmax(heights))):
+                values[row, joint], times[row, joint] = heights[place], moments[place]
+        return values, times
+
+    def demand_limits(
+        self, argument: str, value: object, velocity_limit: Vector, acceleration_limit: Vector
+    ) -> None:
+        """Demand that the path keeps within position, velocity and acceleration limits.
+
+        Raises:
+            ArgumentError: naming `argument`, the joint, the time and the limit that breaks.
+        """
+        arm = self.arm
+        bounds = (
+            ("a position", (arm.lower_position_limit, arm.upper_position_limit), ""),
+            ("a velocity", (-velocity_limit, velocity_limit), "/s"),
+            ("an acceleration", (-acceleration_limit, acceleration_limit), "/s²"),
+        )
+        for order, (what, (lowest, highest), per) in enumerate(bounds):
+            values, times = self.extremes(order)
+            slack = 1e-9 * (1.0 + np.abs(values))
+            below, above = values[0] < lowest - slack[0], values[1] > highest + slack[1]
+            for row, broken, limits in ((0, below, lowest), (1, above, highest)):
+                if not broken.any():
+                    continue
+                joint = int(np.argmax(broken))
+                unit = arm.position_units[joint] + per
+                raise ArgumentError(
+                    argument,
+                    value,
+                    f"{arm.joint_names[joint]} would reach {what} of {values[row, joint]:.4g} "
+                    f"{unit} at {times[row, joint]:.3g} s, beyond its limit of "
+                    f"{limits[joint]:.4g} {unit}",
+                )
+
+
+def unwrapped(arm: Arm, argument: str, configurations: ArrayLike) -> Matrix:
+    """Return configurations, (n, nq), as joint positions, (n, nv), without jumps of a full turn.
+
+    Raises:
+        ArgumentError: a wrong shape or entries that are not finite.
+    """
+    try:
+        rows = np.array(configurations, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ArgumentError(argument, configurations, f"give rows of {arm.nq} numbers") from None
+    if rows.ndim != 2 or rows.shape[1] != arm.nq or not len(rows) or not np.isfinite(rows).all():
+        raise ArgumentError(
+            argument, configurations, f"give rows of {arm.nq} finite numbers, (n, {arm.nq})"
+        )
+    steps = [arm.difference(one, two) for one, two in pairwise(rows)]
+    return np.cumsum([arm.to_joint_positions(rows[0]), *steps], axis=0)
