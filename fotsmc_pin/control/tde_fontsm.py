@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar
 
@@ -17,6 +18,7 @@ from fotsmc_pin.fractional.advance import advance
 
 if TYPE_CHECKING:
     from fotsmc_pin.arms import Arm
+    from fotsmc_pin.compiled import Kernel
     from fotsmc_pin.control.gains import Array
 
 
@@ -25,26 +27,27 @@ class TDEFONTSMGains(Gains):
     """Gains of `TDEFONTSM`.
 
     Attributes:
-        inertia: constant inertia `M̄`; stable where it is below twice the true one.
+        inertia: constant inertia `M̄`. By default `settling_inertia` of the arm.
         Lambda: linear gain `Λ` of the surface.
         k: gain of the fractional terminal term.
         power: power `r` of the terminal term.
-        alpha: order `α` of the terminal term.
+        alpha: order `α` of the terminal term; where `r + α < 1`, `D^{1-α} sig(e)^r` has no bound at
+            `e = 0`.
         K1: proportional part of the reaching law.
         K2: fractional-power part of the reaching law.
         rho: power of the reaching law.
-        filter_rate: cut-off of the low-pass that the delayed torque and acceleration pass [rad/s].
+        filter_rate: cut-off of the low-pass that the delayed torque and acceleration pass.
     """
 
     inertia: Array | None = per_joint(None, "kg·m²", above=0.0)
-    Lambda: Array = per_joint(10.0, "1/s", above=0.0)
-    k: Array = per_joint(5.0, "", at_least=0.0)
+    Lambda: Array = per_joint(5.0, "1/s", above=0.0)
+    k: Array = per_joint(2.5, "rad^(1-r)/s^(1+α)", at_least=0.0)
     power: float = scalar(0.9, above=0.0, below=1.0)
     alpha: float = scalar(0.5, at_least=0.0, below=1.0)
-    K1: Array = per_joint(10.0, "1/s", at_least=0.0)
-    K2: Array = per_joint(5.0, "", at_least=0.0)
+    K1: Array = per_joint(5.0, "1/s", at_least=0.0)
+    K2: Array = per_joint(2.5, "rad^(1-ρ)/s^(2-ρ)", at_least=0.0)
     rho: float = scalar(0.6, above=0.0, below=1.0)
-    filter_rate: float = scalar(200.0, "rad/s", above=0.0)
+    filter_rate: float = scalar(500.0, "rad/s", above=0.0)
 
 
 class TDEFONTSM(Controller):
@@ -59,7 +62,16 @@ class TDEFONTSM(Controller):
     of the speed, both through the same low-pass, so that their difference is `M̄ a - τ` of a moment
     ago. No model is evaluated; only `M̄` is needed.
 
+    The estimate starts at zero and errs by the factor `1 - c M0^{-1} M̄` from tick to tick, with
+    `c = 1 - e^{-rate dt}`: the loop is stable where all eigenvalues of `c M0^{-1} M̄` lie between 0
+    and 2, and it is slow in the directions where they are small, as a diagonal `M̄` makes them on
+    arms whose joints are strongly coupled. The arm may sag until the estimate has converged, so the
+    gains must stay below the slowest rate of convergence; the default ones are moderate for that.
+
     Signals: "s"; "delay_estimate", `τ_f - M̄ a_f`.
+
+    Source: the estimate, Hsia and Gao, IEEE International Conference on Robotics and Automation,
+    1990; the rest stands for [50], which is not printed.
     """
 
     Gains = TDEFONTSMGains
@@ -68,7 +80,8 @@ class TDEFONTSM(Controller):
     def _prepare(self) -> None:
         n = self.arm.nv
         if self.gains.inertia is None:
-            self.gains = replace(self.gains, inertia=lightest_inertia(self.arm))
+            share = 1.0 - math.exp(-self.gains.filter_rate * self.dt)
+            self.gains = replace(self.gains, inertia=settling_inertia(self.arm, share))
         g = self.gains
         integral = FractionalIntegral(order=g.alpha, dt=self.dt).stream(n)
         derivative = FractionalDerivative(order=1.0 - g.alpha, dt=self.dt).stream(n)
@@ -94,17 +107,26 @@ class TDEFONTSM(Controller):
     def _model_terms(self) -> None:
         """Evaluate nothing: the law has no model."""
 
-    def _law(self, dt: float) -> None:
-        control_law(dt, *self._arguments)
+    @property
+    def _kernel(self) -> Kernel:
+        return control_law
 
 
-def lightest_inertia(arm: Arm) -> Array:
-    """Return the inertia (nv,) [kg·m²] that each joint shows while all others are free to move.
+def settling_inertia(arm: Arm, share: float) -> Array:
+    """Return the diagonal `M̄` (nv,) [kg·m²] whose estimate settles in one tick where it is fastest.
 
-    This is `1 / diag(M0^{-1})` at the arm's neutral configuration.
+    `M̄` is in proportion to `1 / diag(M0^{-1})`, the inertia that each joint shows while the others
+    are free, at the arm's neutral configuration; the largest eigenvalue of `share M0^{-1} M̄` is 1.
+    The true inertia may then fall to half of that before the estimate becomes unstable.
+
+    Args:
+        arm: the nominal arm.
+        share: how much of a new sample the low-pass lets in at a tick, in (0, 1].
     """
-    lightest: Array = 1.0 / np.diag(np.linalg.inv(arm.mass_matrix(arm.neutral)))
-    return lightest
+    inverse = np.linalg.inv(arm.mass_matrix(arm.neutral))
+    lightest: Array = 1.0 / np.diag(inverse)
+    fastest = float(np.linalg.eigvals(inverse * lightest).real.max())
+    return lightest / (share * fastest)
 
 
 @kernel
@@ -139,7 +161,7 @@ def control_law(
     for i in range(n):
         if started[0] > 0.0:
             fresh = tau[i] - inertia[i] * (v[i] - last_v[i]) / dt
-            estimate[i] += (1.0 - np.exp(-rate[i] * dt)) * (fresh - estimate[i])
+            estimate[i] += (1.0 - math.exp(-rate[i] * dt)) * (fresh - estimate[i])
         delay_estimate[i] = estimate[i]
         last_v[i] = v[i]
         s[i] = ed[i] + Lambda[i] * e[i] + k[i] * terminal_integral[i]
