@@ -10,13 +10,14 @@ from __future__ import annotations
 import hashlib
 from functools import cache, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar, overload
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar, overload
 
 import numba
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    Kernel: TypeAlias = Callable[..., Any]
     Function = TypeVar("Function", bound=Callable[..., Any])
 
 

@@ -18,10 +18,11 @@ class AccelerationLaw(Controller):
 
     Such a law is its `Gains`, a kernel of one tick, and
 
-        def _law(self, dt: float) -> None:
-            control_law(dt, *self._arguments)
+        @property
+        def _kernel(self) -> Kernel:
+            return control_law
 
-    whose further arguments are, in this order,
+    The kernel's arguments after `dt` are, in this order,
 
     - `motion` (5, nv): rows `E`, `ED`, `V`, `V_D`, `A_D`;
     - `M0` (nv, nv), `h0` (nv,), `effort_limit` (nv,): for `saturation.inverse_dynamics`;

@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from fotsmc_pin.compiled import kernel
+from fotsmc_pin.control.norm import norm
 
 if TYPE_CHECKING:
     from fotsmc_pin.control.gains import Array
@@ -30,8 +31,7 @@ def adapt(
     rate_0, rate_1, threshold, leak, largest = (
         parameters[0], parameters[1], parameters[2], parameters[3], parameters[4],
     )  # fmt: skip
-    S_norm = math.sqrt((S * S).sum())
-    speed = math.sqrt((v * v).sum())
+    S_norm, speed = norm(S), norm(v)
     if kind == DEAD_ZONE and S_norm < threshold:
         return
     B[0] += dt * rate_0 * S_norm  # [23]

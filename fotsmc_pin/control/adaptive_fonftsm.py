@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from fotsmc_pin.compiled import kernel
 from fotsmc_pin.control.adaptation import ADAPTATION, adapt
 from fotsmc_pin.control.controller import V
 from fotsmc_pin.control.fonftsm import FONFTSM, PRACTICAL, SurfaceGains, control_law
@@ -15,6 +16,7 @@ from fotsmc_pin.control.gains import option, scalar
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from fotsmc_pin.compiled import Kernel
     from fotsmc_pin.control.gains import Array
 
 RATES = ("inverse", "direct")
@@ -78,11 +80,8 @@ class AdaptiveFONFTSM(FONFTSM):
         self._state = self._signals["b_hat"] = self._bounds
         upsilon = np.array([g.upsilon_0, g.upsilon_1])
         rates = 1.0 / upsilon if g.adaptation_rate == "inverse" else upsilon
-        self._adaptation = (
-            self._bounds,
+        self._arguments += (
             self._bounds.copy(),
-            self._signals["s"],
-            self._motion[V],
             ADAPTATION.index(g.adaptation),
             np.array([*rates, g.dead_zone, g.leakage, g.largest_bound]),
         )
@@ -90,7 +89,49 @@ class AdaptiveFONFTSM(FONFTSM):
     def _first_bounds(self) -> Array:
         return np.array([self.gains.B0_start, self.gains.B1_start])
 
-    def _law(self, dt: float) -> None:
-        clipped = control_law(dt, *self._arguments)
-        if not clipped:
-            adapt(dt, *self._adaptation)
+    @property
+    def _kernel(self) -> Kernel:
+        return adaptive_control_law
+
+
+@kernel
+def adaptive_control_law(
+    dt: float,
+    motion: Array,
+    M0: Array,
+    h0: Array,
+    effort_limit: Array,
+    gains: Array,
+    bounds: Array,
+    kind: int,
+    inside: bool,
+    derivative: Array,
+    derivative_memory: Array,
+    integral: Array,
+    integral_memory: Array,
+    work: Array,
+    tau: Array,
+    bounds_start: Array,
+    adaptation_kind: int,
+    adaptation: Array,
+) -> None:
+    """One tick of [22]-[24]; `bounds` holds the estimates `B̂0, B̂1`."""
+    clipped = control_law(
+        dt,
+        motion,
+        M0,
+        h0,
+        effort_limit,
+        gains,
+        bounds,
+        kind,
+        inside,
+        derivative,
+        derivative_memory,
+        integral,
+        integral_memory,
+        work,
+        tau,
+    )
+    if not clipped:
+        adapt(dt, bounds, bounds_start, work[0], motion[V], adaptation_kind, adaptation)

@@ -14,6 +14,7 @@ from fotsmc_pin.control.saturation import integrated, inverse_dynamics
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from fotsmc_pin.compiled import Kernel
     from fotsmc_pin.control.gains import Array
 
 
@@ -52,8 +53,9 @@ class ComputedTorque(AccelerationLaw):
         super()._prepare()
         self._signals = {"integral": self._state}
 
-    def _law(self, dt: float) -> None:
-        control_law(dt, *self._arguments)
+    @property
+    def _kernel(self) -> Kernel:
+        return control_law
 
 
 @kernel

@@ -13,6 +13,7 @@ from fotsmc_pin.control.saturation import inverse_dynamics
 from fotsmc_pin.control.switching import sig
 
 if TYPE_CHECKING:
+    from fotsmc_pin.compiled import Kernel
     from fotsmc_pin.control.gains import Array
 
 
@@ -47,8 +48,9 @@ class ContinuousTSM(AccelerationLaw):
 
     Gains = ContinuousTSMGains
 
-    def _law(self, dt: float) -> None:
-        control_law(dt, *self._arguments)
+    @property
+    def _kernel(self) -> Kernel:
+        return control_law
 
 
 @kernel

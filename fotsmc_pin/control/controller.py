@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from fotsmc_pin import checks
-from fotsmc_pin.compiled import kernel
+from fotsmc_pin.compiled import kernel, settled, strict
 from fotsmc_pin.control.saturation import clip
 from fotsmc_pin.errors import ArgumentError, MeasurementError
 
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from fotsmc_pin.arms import Arm
+    from fotsmc_pin.compiled import Kernel
     from fotsmc_pin.control.gains import Array, Gains
     from fotsmc_pin.fractional import Stream
 
@@ -39,8 +40,9 @@ E, ED, V, V_D, A_D = range(5)
 class Controller(ABC):
     """A control law bound to a nominal arm and a tick of `dt` seconds.
 
-    A law declares its `Gains` and `presets`, allocates its memory in `_prepare`, and computes one
-    tick in `_law`, which reads `_motion`, `_M0` and `_h0` and writes `_tau`.
+    A law declares its `Gains` and `presets`, allocates its memory in `_prepare`, and names the
+    `_kernel` of one tick, which reads `_motion`, `_M0` and `_h0` and writes `_tau`. The kernel is
+    compiled when the controller is made, so that the first tick takes no longer than the others.
 
     Attributes:
         arm: the nominal arm; the plant is never seen.
@@ -72,8 +74,10 @@ class Controller(ABC):
         self.gains: Any = self.Gains.resolve(arm.nv, self.presets[self.preset], gains)
         self._model, self._data = arm.model, arm.model.createData()
         self._euclidean = arm.is_euclidean
-        self._q, self._q_d = np.zeros(arm.nq), np.zeros(arm.nq)
+        self._configurations = np.zeros((2, arm.nq))
+        self._q, self._q_d = self._configurations
         self._motion = np.zeros((5, arm.nv))
+        self._e, self._v = self._motion[E], self._motion[V]
         self._tau = np.zeros(arm.nv)
         self._effort_limit = np.array(arm.effort_limit)
         # Live views on Pinocchio's results. M0 is symmetric: its transpose is itself, in C order.
@@ -85,14 +89,21 @@ class Controller(ABC):
         self._arguments: tuple[Any, ...] = ()
         self._prepare()
         self._initial_state = self._state.copy()
+        self._code = settled(self._kernel, self.dt, *self._arguments)
+        q, v = self._q, self._v
+        strict(take, q, v, q, v, v, self._configurations, self._motion)
 
     @abstractmethod
     def _prepare(self) -> None:
         """Allocate `_streams`, `_state` and `_signals`; gather the kernel's `_arguments`."""
 
+    @property
     @abstractmethod
-    def _law(self, dt: float) -> None:
-        """Write `_tau`, within the effort limits, and advance the memory by one tick."""
+    def _kernel(self) -> Kernel:
+        """The law: a kernel of `dt` and the `_arguments`.
+
+        It writes `_tau`, within the effort limits, and advances the memory by one tick.
+        """
 
     def update(
         self,
@@ -120,25 +131,24 @@ class Controller(ABC):
             MeasurementError: an argument has the wrong shape or is not finite. The memory of the
                 controller is as it was, and the next good tick goes on from there.
         """
-        motion = self._motion
         try:
-            self._take(self._q, q)
-            self._take(motion[V], v)
-            self._take(self._q_d, q_d)
-            self._take(motion[V_D], v_d)
-            self._take(motion[A_D], a_d)
-        except (TypeError, ValueError):
-            raise self._fault(q, v, q_d, v_d, a_d) from None
-        if not usable(self._q, self._q_d, motion) or not (self._euclidean or self._on_circles()):
-            raise self._fault(q, v, q_d, v_d, a_d)
+            taken = take(q, v, q_d, v_d, a_d, self._configurations, self._motion)  # type: ignore[arg-type]
+        except (AttributeError, TypeError):  # not plain arrays of floats
+            taken = False
+        if not taken:
+            self._take_with_care(q, v, q_d, v_d, a_d)
+        if not (self._euclidean or self._on_circles()):
+            name, value = ("q_d", q_d) if self._on_circle(self._q) else ("q", q)
+            remedy = "give the cosine and sine of each continuous joint"
+            raise MeasurementError(name, value, remedy)
         if dt is None:
             dt = self.dt
         else:
             shortest, longest = SHORTEST_TICK * self.dt, LONGEST_TICK * self.dt
             dt = checks.finite_number("dt", dt, at_least=shortest, at_most=longest)
-        motion[E] = pin.difference(self._model, self._q_d, self._q)
+        self._e[:] = pin.difference(self._model, self._q_d, self._q)
         self._model_terms()
-        self._law(dt)
+        self._code(dt, *self._arguments)
         return self._tau.copy()
 
     def _pack(self, *values: Array | float) -> Array:
@@ -148,7 +158,7 @@ class Controller(ABC):
     def _model_terms(self) -> None:
         """Evaluate the nominal model: `M0(q)` and `h0 = C0(q, v) v + G0(q)`."""
         pin.crba(self._model, self._data, self._q)
-        pin.nonLinearEffects(self._model, self._data, self._q, self._motion[V])
+        pin.nonLinearEffects(self._model, self._data, self._q, self._v)
 
     @property
     def signals(self) -> dict[str, Array]:
@@ -170,24 +180,18 @@ class Controller(ABC):
         gains = ", ".join(f"{name}={value}" for name, value in self.gains.as_dict().items())
         return f"{type(self).__name__}({self.arm.name}, dt={self.dt:g}, {gains})"
 
-    @staticmethod
-    def _take(buffer: Array, value: ArrayLike) -> None:
-        # The shape is compared first: assignment alone would broadcast.
-        if getattr(value, "shape", None) != buffer.shape and np.shape(value) != buffer.shape:
-            raise ValueError
-        buffer[:] = value
-
-    def _fault(self, *values: ArrayLike) -> MeasurementError:
-        """Find the argument that is at fault."""
+    def _take_with_care(self, *values: ArrayLike) -> None:
+        """Take lists, whole numbers and strided arrays too, or say which argument is at fault."""
         nq, nv = self.arm.nq, self.arm.nv
         names, sizes = ("q", "v", "q_d", "v_d", "a_d"), (nq, nv, nq, nv, nv)
+        clean = []
         for name, value, size in zip(names, values, sizes, strict=True):
             try:
-                checks.finite_vector(name, value, size)
+                clean.append(checks.finite_vector(name, value, size))
             except ArgumentError as error:
-                return MeasurementError(name, value, error.remedy)
-        name, value = ("q_d", values[2]) if self._on_circle(self._q) else ("q", values[0])
-        return MeasurementError(name, value, "give the cosine and sine of each continuous joint")
+                raise MeasurementError(name, value, error.remedy) from None
+        q, v, q_d, v_d, a_d = clean
+        take(q, v, q_d, v_d, a_d, self._configurations, self._motion)
 
     def _on_circles(self) -> bool:
         """Return whether the continuous joints of `q` and `q_d` are cosines and sines."""
@@ -198,16 +202,25 @@ class Controller(ABC):
 
 
 @kernel
-def usable(q: Array, q_d: Array, motion: Array) -> bool:
-    """Return whether all is finite; keep it below `LARGEST` and fill in `ė = v - v_d`."""
-    for k in range(q.size):
+def take(
+    q: Array, v: Array, q_d: Array, v_d: Array, a_d: Array, configurations: Array, motion: Array
+) -> bool:
+    """Copy the arguments of a tick, each number kept below `LARGEST`; fill in `ė = v - v_d`.
+
+    Returns whether every array has its shape and every number is finite.
+    """
+    nq, nv = configurations.shape[1], motion.shape[1]
+    if not (q.shape == q_d.shape == (nq,) and v.shape == v_d.shape == a_d.shape == (nv,)):
+        return False
+    for k in range(nq):
         if not (math.isfinite(q[k]) and math.isfinite(q_d[k])):
             return False
-        q[k], q_d[k] = clip(q[k], LARGEST), clip(q_d[k], LARGEST)
-    for j in range(motion.shape[1]):
-        for row in (V, V_D, A_D):
-            if not math.isfinite(motion[row, j]):
-                return False
-            motion[row, j] = clip(motion[row, j], LARGEST)
+        configurations[0, k], configurations[1, k] = clip(q[k], LARGEST), clip(q_d[k], LARGEST)
+    for j in range(nv):
+        if not (math.isfinite(v[j]) and math.isfinite(v_d[j]) and math.isfinite(a_d[j])):
+            return False
+        motion[V, j] = clip(v[j], LARGEST)
+        motion[V_D, j] = clip(v_d[j], LARGEST)
+        motion[A_D, j] = clip(a_d[j], LARGEST)
         motion[ED, j] = motion[V, j] - motion[V_D, j]
     return True

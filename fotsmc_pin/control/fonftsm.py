@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -11,6 +10,7 @@ import numpy as np
 from fotsmc_pin.compiled import kernel
 from fotsmc_pin.control.controller import A_D, ED, Controller, E, V
 from fotsmc_pin.control.gains import Gains, option, per_joint, scalar
+from fotsmc_pin.control.norm import norm
 from fotsmc_pin.control.paper_condition import warn_of_power
 from fotsmc_pin.control.saturation import inverse_dynamics, unwound
 from fotsmc_pin.control.switching import SWITCHING, sig, switch
@@ -20,6 +20,7 @@ from fotsmc_pin.fractional.advance import advance, commit, predict
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from fotsmc_pin.compiled import Kernel
     from fotsmc_pin.control.gains import Array
 
 INERTIA = ("inside", "outside")
@@ -140,8 +141,9 @@ class FONFTSM(Controller):
     def _first_bounds(self) -> Array:
         return np.array([self.gains.B0, self.gains.B1])
 
-    def _law(self, dt: float) -> None:
-        control_law(dt, *self._arguments)
+    @property
+    def _kernel(self) -> Kernel:
+        return control_law
 
 
 @kernel
@@ -176,7 +178,7 @@ def control_law(
         S[i] += A[i] * e[i] + lam[i] * sig(e[i], r[i])
 
     # [21] the integrand w: M0 multiplies x where it stands inside, and never the switching term
-    speed = math.sqrt(np.dot(v, v))
+    speed = norm(v)
     for i in range(n):
         x[i] = (
             theta[i] * S[i]

@@ -16,6 +16,7 @@ from fotsmc_pin.fractional import FractionalIntegral
 from fotsmc_pin.fractional.advance import commit, predict
 
 if TYPE_CHECKING:
+    from fotsmc_pin.compiled import Kernel
     from fotsmc_pin.control.gains import Array
 
 
@@ -75,8 +76,9 @@ class FractionalSwitchingSMC(Controller):
             self._tau,
         )
 
-    def _law(self, dt: float) -> None:
-        control_law(dt, *self._arguments)
+    @property
+    def _kernel(self) -> Kernel:
+        return control_law
 
 
 @kernel

@@ -13,6 +13,7 @@ from fotsmc_pin.control.saturation import inverse_dynamics
 from fotsmc_pin.control.switching import SIGN_OR_LAYER, SWITCHING, sig, switch
 
 if TYPE_CHECKING:
+    from fotsmc_pin.compiled import Kernel
     from fotsmc_pin.control.gains import Array
 
 
@@ -50,8 +51,9 @@ class NonsingularTSM(AccelerationLaw):
     Gains = NonsingularTSMGains
     presets = SIGN_OR_LAYER
 
-    def _law(self, dt: float) -> None:
-        control_law(dt, *self._arguments)
+    @property
+    def _kernel(self) -> Kernel:
+        return control_law
 
 
 @kernel

@@ -13,6 +13,7 @@ from fotsmc_pin.control.saturation import integrated, inverse_dynamics
 from fotsmc_pin.control.switching import SIGN_OR_LAYER, SWITCHING, sig, switch
 
 if TYPE_CHECKING:
+    from fotsmc_pin.compiled import Kernel
     from fotsmc_pin.control.gains import Array
 
 
@@ -53,8 +54,9 @@ class SuperTwistingSMC(AccelerationLaw):
         super()._prepare()
         self._signals["z"] = self._state
 
-    def _law(self, dt: float) -> None:
-        control_law(dt, *self._arguments)
+    @property
+    def _kernel(self) -> Kernel:
+        return control_law
 
 
 @kernel
