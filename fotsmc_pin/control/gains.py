@@ -28,10 +28,12 @@ def scalar(
     above: float = -math.inf,
     below: float = math.inf,
     at_least: float = -math.inf,
+    tuned: bool = True,
 ) -> Any:
-    """One number for the whole arm."""
+    """One number for the whole arm; `tuned` tells whether a search of gains may move it."""
     bounds = {"above": above, "below": below, "at_least": at_least}
-    return field(default=default, metadata={"kind": "scalar", "unit": unit, "bounds": bounds})
+    metadata = {"kind": "scalar", "unit": unit, "bounds": bounds, "tuned": tuned}
+    return field(default=default, metadata=metadata)
 
 
 def per_joint(
@@ -40,13 +42,16 @@ def per_joint(
     *,
     above: float = -math.inf,
     at_least: float = -math.inf,
+    tuned: bool = True,
 ) -> Any:
     """One number per joint; a scalar stands for all of them.
 
-    With a default of None the law finds the numbers itself where none are given.
+    With a default of None the law finds the numbers itself where none are given. `tuned` tells
+    whether a search of gains may move it.
     """
     bounds = {"above": above, "at_least": at_least}
-    return field(default=default, metadata={"kind": "per joint", "unit": unit, "bounds": bounds})
+    metadata = {"kind": "per joint", "unit": unit, "bounds": bounds, "tuned": tuned}
+    return field(default=default, metadata=metadata)
 
 
 def option(default: str, choices: Sequence[str]) -> Any:
