@@ -139,10 +139,14 @@ def _robot_description(name: str) -> Source | None:
         full_name = f"robot_descriptions.{module_name}"
         if not module_name.isidentifier() or importlib.util.find_spec(full_name) is None:
             continue
-        module = importlib.import_module(full_name)
+        try:
+            module = importlib.import_module(full_name)
+        except Exception as error:  # Importing downloads the robot, and that fails in many ways.
+            raise ArmNotFoundError(f"robot_descriptions cannot fetch {name!r}: {error}") from error
         if hasattr(module, "URDF_PATH"):
             package = Path(module.PACKAGE_PATH)
-            folders = (str(package.parent), str(package))
+            repository = Path(getattr(module, "REPOSITORY_PATH", package))
+            folders = tuple(str(folder) for folder in (package.parent, package, repository))
             return Source(path=Path(module.URDF_PATH), package_dirs=folders, name=name)
     return None
 

@@ -35,7 +35,7 @@ TOOL_FRAMES = (
     "*_tcp",
     "gripper_frame_link",
     "tool",
-    "tool_link",
+    "*tool_link",
     "*end_effector*",
     "ee_link",
     "link_eef",
@@ -99,7 +99,7 @@ def load_arm(
     found = find_source(Path(source) if not isinstance(source, str) else source)
     path = found.path.resolve()
     origin = name or found.name or path.name
-    tree = UrdfTree(parse_urdf(path.read_bytes(), origin), origin)
+    tree = UrdfTree(parse_urdf(path.read_bytes(), origin, keep_head=True), origin)
     notes: list[str] = []
 
     locks = choose_locks(tree, lock, keep)

@@ -7,6 +7,7 @@ declaring them, which a parser that knows namespaces refuses. Comments and unkno
 from __future__ import annotations
 
 import io
+import re
 import xml.etree.ElementTree as ET
 from typing import TYPE_CHECKING, Any
 from xml.sax import SAXParseException
@@ -25,12 +26,13 @@ LARGEST_FILE = 50_000_000
 DEEPEST_NESTING = 100
 
 
-def parse_urdf(source: bytes | str, origin: str) -> ET.Element:
+def parse_urdf(source: bytes | str, origin: str, *, keep_head: bool = False) -> ET.Element:
     """Return the `<robot>` element of a URDF.
 
     Args:
         source: content of the file; bytes are decoded as the XML declaration says.
         origin: what to call the file in messages.
+        keep_head: whether comments above the root, such as a licence, move into it.
 
     Raises:
         UrdfError: not XML, no `<robot>` root, a document type (which may define entities or
@@ -61,6 +63,8 @@ def parse_urdf(source: bytes | str, origin: str) -> ET.Element:
     if builder.root.tag != "robot":
         hint = "; expand the xacro macros first" if "xacro" in builder.root.tag else ""
         raise UrdfError(f"{origin}: the root element is <{builder.root.tag}>, not <robot>{hint}")
+    if keep_head:
+        builder.root[:0] = [ET.Comment(text) for text in builder.head]
     return builder.root
 
 
@@ -69,7 +73,7 @@ def urdf_text(robot: ET.Element, comment: str = "") -> str:
     head = '<?xml version="1.0" encoding="utf-8"?>\n'
     if comment:
         # XML forbids two hyphens in a row inside a comment.
-        head += f"<!--\n{comment.replace('--', '- -')}\n-->\n"
+        head += f"<!--\n{re.sub('-(?=-)', '- ', comment)}\n-->\n"
     return head + ET.tostring(robot, encoding="unicode").strip() + "\n"
 
 
@@ -82,6 +86,7 @@ class _TreeBuilder(ContentHandler):
         super().__init__()
         self._origin = origin
         self._open: list[ET.Element] = []
+        self.head: list[str] = []
 
     def startElement(self, name: str, attrs: AttributesImpl) -> None:  # noqa: N802
         element = ET.Element(name, dict(attrs.items()))
@@ -106,9 +111,11 @@ class _TreeBuilder(ContentHandler):
             parent.text = (parent.text or "") + content
 
     def comment(self, content: str) -> None:
-        """Keep a comment where it stands."""
+        """Keep a comment where it stands, and those above the root apart."""
         if self._open:
             self._open[-1].append(ET.Comment(content))
+        elif not hasattr(self, "root"):
+            self.head.append(content)
 
     def _ignore(self, *_: Any) -> None:
         pass

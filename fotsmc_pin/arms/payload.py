@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import itertools
 import xml.etree.ElementTree as ET
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
+from fotsmc_pin.arms.draw import Uniform
 from fotsmc_pin.arms.inertia import LinkInertia, words, write_inertia
 from fotsmc_pin.checks import finite_number, finite_vector
 from fotsmc_pin.errors import ArgumentError
@@ -16,6 +17,7 @@ from fotsmc_pin.errors import ArgumentError
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
+    from fotsmc_pin.arms.draw import Number, Stream
     from fotsmc_pin.arms.tree import UrdfTree
 
 STEEL = 7850.0  # Density [kg/m³].
@@ -26,7 +28,7 @@ class Payload:
     """A body fixed to a frame of the arm.
 
     Attributes:
-        mass: [kg].
+        mass: [kg]; or a `Uniform` for `perturb` to draw from.
         frame: name of the link that carries it; None for the arm's tool frame.
         com: centre of mass in that frame, (3,) [m].
         inertia: rotational inertia about the centre of mass in the frame's axes, (3, 3), or (3,)
@@ -36,15 +38,18 @@ class Payload:
         ArgumentError: a mass below zero, or an inertia that no body has.
     """
 
-    mass: float
+    mass: Number
     frame: str | None = None
     com: ArrayLike = (0.0, 0.0, 0.0)
     inertia: ArrayLike | None = None
 
     def __post_init__(self) -> None:
         """Check the numbers."""
-        finite_number("mass", self.mass, at_least=0.0)
+        least = self.mass.low if isinstance(self.mass, Uniform) else self.mass
+        finite_number("mass", least, at_least=0.0)
         finite_vector("com", self.com, 3)
+        if isinstance(self.mass, Uniform):
+            return
         if not self.as_link_inertia().is_consistent():
             raise ArgumentError(
                 "inertia",
@@ -52,15 +57,24 @@ class Payload:
                 "no body has it: each principal moment is at most the sum of the other two",
             )
 
+    def drawn(self, stream: Stream) -> Payload:
+        """Return the payload with its mass drawn, if it is to be."""
+        return replace(self, mass=stream.number(self.mass))
+
+    @property
+    def kilograms(self) -> float:
+        """The mass, once it is known [kg]."""
+        return finite_number("mass", cast("float", self.mass))
+
     @property
     def ball_radius(self) -> float:
         """Radius of a steel ball of this mass [m]."""
-        return float(np.cbrt(3.0 * self.mass / (4.0 * np.pi * STEEL)))
+        return float(np.cbrt(3.0 * self.kilograms / (4.0 * np.pi * STEEL)))
 
     def as_link_inertia(self) -> LinkInertia:
         """Return mass, centre of mass and inertia as those of a link."""
         if self.inertia is None:
-            about_com = 0.4 * self.mass * self.ball_radius**2 * np.eye(3)
+            about_com = 0.4 * self.kilograms * self.ball_radius**2 * np.eye(3)
         elif np.ndim(self.inertia) == 1:
             about_com = np.diag(finite_vector("inertia", self.inertia, 3))
         else:
@@ -68,7 +82,7 @@ class Payload:
         if about_com.shape != (3, 3) or not np.allclose(about_com, about_com.T):
             raise ArgumentError("inertia", self.inertia, "give 3 moments or a symmetric (3, 3)")
         com = finite_vector("com", self.com, 3)
-        return LinkInertia(mass=float(self.mass), com=com, rpy=np.zeros(3), about_com=about_com)
+        return LinkInertia(mass=self.kilograms, com=com, rpy=np.zeros(3), about_com=about_com)
 
 
 def attach(payload: Payload, tree: UrdfTree, default_frame: str) -> str:

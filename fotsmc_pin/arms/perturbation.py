@@ -34,9 +34,9 @@ def perturb(
     inertia_scale: PerLink = 1.0,
     com_shift: Shift | Mapping[str, Shift] = 0.0,
     payload: Number | Payload | Sequence[Payload] = 0.0,
-    friction: PerJoint | Uniform | None = None,
-    damping: PerJoint | Uniform | None = None,
-    armature: PerJoint | Uniform | None = None,
+    friction: PerJoint | PerLink | None = None,
+    damping: PerJoint | PerLink | None = None,
+    armature: PerJoint | PerLink | None = None,
     seed: int | None = None,
     name: str | None = None,
 ) -> Arm:
@@ -172,25 +172,27 @@ def _repair(tree: UrdfTree) -> list[str]:
 def _attach_payloads(
     tree: UrdfTree, draw: Draw, given: Number | Payload | Sequence[Payload], tool_frame: str
 ) -> list[str]:
-    if isinstance(given, Payload):
-        payloads = [given]
-    elif isinstance(given, Sequence):
+    if isinstance(given, Sequence):
         payloads = list(given)
-        if not all(isinstance(payload, Payload) for payload in payloads):
-            raise ArgumentError("payload", given, "give a mass, a Payload or a list of them")
+    elif isinstance(given, Payload):
+        payloads = [given]
     else:
         mass = draw.stream("payload").number(given)
         payloads = [Payload(mass=finite_number("payload", mass, at_least=0.0))]
+    if not all(isinstance(payload, Payload) for payload in payloads):
+        raise ArgumentError("payload", given, "give a mass, a Payload or a list of them")
+    stream = draw.stream("payload")
     changes = []
     for payload in payloads:
-        if payload.mass > 0.0:
-            name = attach(payload, tree, tool_frame)
-            changes.append(f"{name} of {payload.mass:.6g} kg at {payload.frame or tool_frame}")
+        body = payload.drawn(stream)
+        if body.kilograms > 0.0:
+            name = attach(body, tree, tool_frame)
+            changes.append(f"{name} of {body.kilograms:.6g} kg at {body.frame or tool_frame}")
     return changes
 
 
 def _set_per_joint(
-    tree: UrdfTree, draw: Draw, what: str, given: PerJoint | Uniform, joint_names: Sequence[str]
+    tree: UrdfTree, draw: Draw, what: str, given: PerJoint | PerLink, joint_names: Sequence[str]
 ) -> list[str]:
     stream = draw.stream(what)
     if isinstance(given, (Uniform, Mapping)):

@@ -7,7 +7,7 @@ import time
 import numpy as np
 import pytest
 
-from fotsmc_pin.arms import load_arm
+from fotsmc_pin.arms import load_arm, perturb
 from fotsmc_pin.errors import ArgumentError, ArmNotFoundError
 
 
@@ -41,13 +41,15 @@ def test_robot_descriptions(made, monkeypatch):
     package = made.folder / "robot_descriptions"
     package.mkdir()
     (package / "__init__.py").touch()
-    monkeypatch.syspath_prepend(made.folder)
     (package / "gizmo_description.py").write_text(
         f"URDF_PATH = {str(path)!r}\nPACKAGE_PATH = {str(made.folder)!r}\n"
     )
+    monkeypatch.syspath_prepend(made.folder)
+    for name in [name for name in sys.modules if name.startswith("robot_descriptions")]:
+        monkeypatch.delitem(sys.modules, name)
     arm = load_arm("gizmo")
-    for module in [name for name in sys.modules if name.startswith("robot_descriptions")]:
-        monkeypatch.delitem(sys.modules, module)
+    for name in ("robot_descriptions", "robot_descriptions.gizmo_description"):
+        monkeypatch.delitem(sys.modules, name)
     assert (arm.name, arm.nv) == ("gizmo", 2)
 
 
@@ -254,6 +256,14 @@ def test_comments_and_unknown_tags_survive(made):
     text = load_arm(made.chain("revolute", tail=tail)).urdf
     for part in ("<!-- calibrated -->", "<kp>10</kp>", "<ros:x"):
         assert part in text
+
+
+def test_a_licence_above_the_root_survives_perturbing(made):
+    path = made.chain("revolute")
+    path.write_text("<!-- Licence: be kind -->" + path.read_text())
+    text = perturb(perturb(load_arm(path), mass_scale=1.1), payload=1.0).urdf
+    assert text.count("Licence: be kind") == 1
+    assert text.count("Changes to") == 1
 
 
 def test_loading_takes_under_50_ms():

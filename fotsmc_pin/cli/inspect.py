@@ -1,0 +1,132 @@
+"""`fotsmc inspect`: what was understood of a URDF, and what looks wrong in it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+import typer
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from fotsmc_pin.arms import Inspection
+
+
+def inspect_command(
+    file: Annotated[str, typer.Argument(help="A URDF file, or a name that `fotsmc arms` lists.")],
+    lock: Annotated[
+        list[str] | None, typer.Option(help="Joint to fix, name or pattern; may be repeated.")
+    ] = None,
+    keep: Annotated[
+        list[str] | None, typer.Option(help="Only joint to leave free; may be repeated.")
+    ] = None,
+    package_dir: Annotated[
+        list[Path] | None, typer.Option(help="Where package:// begins; may be repeated.")
+    ] = None,
+    samples: Annotated[int, typer.Option(help="Number of random configurations.")] = 200,
+    seed: Annotated[int, typer.Option(help="Where they are drawn from.")] = 0,
+) -> None:
+    """Say what was understood of a URDF: joints, limits, loads, and what looks wrong."""
+    from rich.console import Console
+
+    from fotsmc_pin.arms import inspect_arm, load_arm
+
+    arm = load_arm(file, lock=lock or None, keep=keep or None, package_dirs=package_dir or ())
+    found = inspect_arm(arm, samples=samples, seed=seed)
+    console = Console()
+    console.print(_joints(found))
+    console.print(_loads(found))
+    _say(console, _facts(found))
+    if arm.notes:
+        _say(console, ["", "Decided while loading:", *(f"  {note}" for note in arm.notes)])
+    if found.warnings:
+        _say(console, ["", "Looks wrong:", *(f"  {warning}" for warning in found.warnings)])
+    else:
+        _say(console, ["", "Nothing looks wrong."])
+
+
+def _say(console: object, lines: list[str]) -> None:
+    for line in lines:
+        console.print(line, markup=False, highlight=False)  # type: ignore[attr-defined]
+
+
+def _facts(found: Inspection) -> list[str]:
+    arm = found.arm
+    payload = (
+        "no effort limits bear on it" if np.isinf(found.payload) else f"{found.payload:.3g} kg"
+    )
+    median, largest = found.condition
+    lines = [
+        f"Moving mass {found.total_mass:.4g} kg, tool frame {arm.tool_frame}.",
+        f"Condition number of the mass matrix: {median:.3g} in the median, {largest:.3g} at most.",
+        f"Payload that the limits still hold everywhere: {payload}.",
+    ]
+    if not arm.is_euclidean:
+        lines.append(
+            f"Continuous joints: {arm.nq} position coordinates for {arm.nv} degrees of freedom."
+        )
+    return lines
+
+
+def _joints(found: Inspection) -> Table:
+    """Joints and their limits, each with where it comes from."""
+    from rich.table import Table
+
+    arm = found.arm
+    table = Table(title=f"{arm.name}: limits as the file gives them", title_justify="left")
+    table.add_column("joint", no_wrap=True)
+    table.add_column("type")
+    for heading in ("position", "velocity", "effort"):
+        table.add_column(heading, justify="right")
+    for row, name in enumerate(arm.joint_names):
+        unit, effort_unit = arm.position_units[row], arm.effort_units[row]
+        kind = arm.tree.joints[name].type
+        lower, upper = arm.lower_position_limit[row], arm.upper_position_limit[row]
+        span = f"{_number(lower)} to {_number(upper)} {unit}"
+        if np.isinf(lower) and np.isinf(upper):
+            span = "endless" if kind == "continuous" else "not given"
+        table.add_row(
+            name,
+            kind,
+            span,
+            _limit(arm.velocity_limit[row], f"{unit}/s"),
+            _limit(arm.effort_limit[row], effort_unit),
+        )
+    return table
+
+
+def _loads(found: Inspection) -> Table:
+    """Loads, inertias and friction of the joints."""
+    from rich.table import Table
+
+    arm = found.arm
+    table = Table(title="Loads over random configurations", title_justify="left")
+    table.add_column("joint", no_wrap=True)
+    for heading in ("gravity", "of the limit", "inertia", "armature", "friction", "damping"):
+        table.add_column(heading, justify="right")
+    for row, name in enumerate(arm.joint_names):
+        limited = np.isfinite(arm.effort_limit[row])
+        least, most = found.inertia_range[row]
+        mass_unit = "kg" if arm.position_units[row] == "m" else "kg·m²"
+        table.add_row(
+            name,
+            f"{_load(found.gravity_load[row])} {arm.effort_units[row]}",
+            f"{100 * found.gravity_share[row]:.0f} %" if limited else "-",
+            f"{least:.2g} to {most:.2g} {mass_unit}",
+            *(f"{values[row]:.3g}" for values in (arm.armature, arm.friction, arm.damping)),
+        )
+    return table
+
+
+def _load(value: float) -> str:
+    return f"{value:.3g}" if value > 1e-9 else "0"
+
+
+def _limit(value: float, unit: str) -> str:
+    return f"{value:.4g} {unit}" if np.isfinite(value) else "not given"
+
+
+def _number(value: float) -> str:
+    return f"{value:.4g}" if np.isfinite(value) else ("-∞" if value < 0 else "∞")
