@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from fotsmc_pin.fractional.exponential_sum import ExponentialSum, power_law_sum
-from fotsmc_pin.fractional.interval import local_moments, response_table
+from fotsmc_pin.fractional.interval import mode_response, output_gains
 from fotsmc_pin.fractional.layout import (
     DECAY,
     DIFFERENTIATES,
@@ -17,9 +17,9 @@ from fotsmc_pin.fractional.layout import (
     HEADER,
     HEADER_COLUMNS,
     LINEAR,
-    LOCAL,
     MODES,
     NORMALIZER,
+    OUTPUT_GAINS,
     PERIOD,
     QUADRATIC,
     RATE,
@@ -80,10 +80,12 @@ def coefficient_table(
     header[NORMALIZER] = 1 / math.gamma(1 - exponent) if exponent < 1 else 0.0
     header[TEMPERING] = tempering
     header[START_GAIN] = 1.0 if exponent == 1.0 and not differentiates else 0.0
-    header[LOCAL : LOCAL + 3] = local_moments(header, dt)
+    kind = header[SCHEME], header[DIFFERENTIATES], tempering, dt
+    header[OUTPUT_GAINS : OUTPUT_GAINS + 3] = output_gains(*kind, exponent, header[NORMALIZER])
     table[RATE, : rates.size] = rates
     table[WEIGHT, : rates.size] = weights
     table[START] = 0.0
-    table[DECAY:, : rates.size] = response_table(table, dt)
+    for k in range(rates.size):
+        table[DECAY:, k] = mode_response(*kind, rates[k], weights[k])
     table.setflags(write=False)
     return table

@@ -1,60 +1,98 @@
-"""Exact integrals over one sampling interval, for an input that is a polynomial there.
+"""What the newest sampling interval adds to a mode and to the output.
 
-Inside an interval of length `h` the input of the kernel is `f_0 + f_1 ξ + f_2 ξ²`, where `ξ`
-runs from 0 to 1 backwards from the new sample in units of `h`.
+On an interval of length `h` the input is taken as
+
+    x(ξ) = value - difference ξ + curvature (ξ² - ξ),
+
+where `ξ` runs from 0 to 1 backwards from the new sample in units of `h`. The kernel acts on `x` in
+an integral and on `x' + σ x` in a derivative, and all integrals over the interval are exact. What
+they add is linear in value, difference and curvature: three gains.
 """
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, TypeAlias
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from fotsmc_pin.compiled import kernel
-from fotsmc_pin.fractional.layout import (
-    DIFFERENTIATES,
-    EXPONENT,
-    GRUNWALD_LETNIKOV,
-    HEADER,
-    MODES,
-    NORMALIZER,
-    RATE,
-    SCHEME,
-    TEMPERING,
-    WEIGHT,
-)
+from fotsmc_pin.fractional.layout import GRUNWALD_LETNIKOV
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from typing import TypeAlias
 
-    Array: TypeAlias = NDArray[np.float64]
     Three: TypeAlias = tuple[float, float, float]
+    Four: TypeAlias = tuple[float, float, float, float]
 
 
 @kernel
-def kernel_input(
-    header: Array, period: float, value: float, difference: float, curvature: float
+def gains(
+    scheme: float, slope: float, tempering: float, period: float, m0: float, m1: float, m2: float
 ) -> Three:
-    """Return `f_0, f_1, f_2`, linear in the three numbers that describe `x` on the interval.
+    """Return the gains of value, difference and curvature for a kernel with these moments.
 
-    The input is `x(ξ) = value - difference ξ + curvature (ξ² - ξ)`. An integral hands `x` to its
-    kernel and a derivative `x' + σ x`. Grünwald-Letnikov knows samples only: a backward difference.
+    Moment `m` is the integral of the kernel times `ξ^m` over the interval; `slope` is 1 where the
+    kernel acts on `x' + σ x`, 0 where on `x`. Grünwald-Letnikov knows samples only: its derivative
+    acts on the backward difference of `e^{σt} x`.
     """
-    differentiates, tempering = header[DIFFERENTIATES] == 1.0, header[TEMPERING]
-    if header[SCHEME] == GRUNWALD_LETNIKOV:
-        if differentiates:
-            fade = math.exp(-tempering * period)
-            return ((1.0 - fade) * value + fade * difference) / period, 0.0, 0.0
-        return value, 0.0, 0.0
-    slope = -(difference + curvature)
-    if differentiates:
-        return (
-            tempering * value - slope / period,
-            tempering * slope - 2.0 * curvature / period,
-            tempering * curvature,
-        )
-    return value, slope, curvature
+    if slope == 0.0:
+        if scheme == GRUNWALD_LETNIKOV:
+            return m0, 0.0, 0.0
+        return m0, -m1, m2 - m1
+    if scheme == GRUNWALD_LETNIKOV:
+        fade = math.exp(-tempering * period)
+        return (1.0 - fade) / period * m0, fade / period * m0, 0.0
+    return (
+        tempering * m0,
+        m0 / period - tempering * m1,
+        (m0 - 2.0 * m1) / period + tempering * (m2 - m1),
+    )
+
+
+@kernel
+def output_gains(
+    scheme: float,
+    slope: float,
+    tempering: float,
+    period: float,
+    exponent: float,
+    normalizer: float,
+) -> Three:
+    """Return what value, difference and curvature add to the output.
+
+    The kernel is `k(t) = e^{-σt} t^{-β}/Γ(1-β)`; its moments are `h ∫_0^1 k(hξ) ξ^m dξ`.
+    """
+    if exponent == 1.0:  # no kernel at all
+        return gains(scheme, slope, tempering, period, 1.0, 0.0, 0.0)
+    scale = period ** (1.0 - exponent)
+    if scheme == GRUNWALD_LETNIKOV:
+        return gains(scheme, slope, tempering, period, scale, 0.0, 0.0)
+    scale *= normalizer
+    m0, m1, m2 = power_moments(exponent, tempering * period)
+    return gains(scheme, slope, tempering, period, scale * m0, scale * m1, scale * m2)
+
+
+@kernel
+def mode_decay(scheme: float, tempering: float, period: float, rate: float) -> float:
+    """Return the factor by which a mode decays over a period."""
+    if scheme == GRUNWALD_LETNIKOV:  # implicit Euler
+        return math.exp(-tempering * period) / (1.0 + rate * period)
+    return math.exp(-(rate + tempering) * period)
+
+
+@kernel
+def mode_response(
+    scheme: float, slope: float, tempering: float, period: float, rate: float, weight: float
+) -> Four:
+    """Return the decay of a mode, and what value, difference and curvature add to it."""
+    decay = mode_decay(scheme, tempering, period, rate)
+    scale = weight * period
+    if scheme == GRUNWALD_LETNIKOV:
+        m0 = scale / (1.0 + rate * period)
+        g0, g1, g2 = gains(scheme, slope, tempering, period, m0, 0.0, 0.0)
+    else:
+        m0, m1, m2 = exponential_moments((rate + tempering) * period, decay)
+        g0, g1, g2 = gains(scheme, slope, tempering, period, scale * m0, scale * m1, scale * m2)
+    return decay, g0, g1, g2
 
 
 @kernel
@@ -74,15 +112,8 @@ def exponential_moments(z: float, decay: float) -> Three:
 
 
 @kernel
-def local_moments(header: Array, period: float) -> Three:
-    """Return `h ∫_0^1 k(hξ) ξ^m dξ` for m = 0, 1, 2 with `k(t) = e^{-σt} t^{-β}/Γ(1-β)`."""
-    exponent = header[EXPONENT]
-    if exponent == 1.0:
-        return 1.0, 0.0, 0.0
-    if header[SCHEME] == GRUNWALD_LETNIKOV:
-        return period ** (1.0 - exponent), 0.0, 0.0
-    z = header[TEMPERING] * period
-    scale = header[NORMALIZER] * period ** (1.0 - exponent)
+def power_moments(exponent: float, z: float) -> Three:
+    """Return `∫_0^1 e^{-zξ} ξ^{m-β} dξ` for m = 0, 1, 2."""
     power = 3.0 - exponent
     fade = math.exp(-z)
     if z < 50.0:
@@ -93,46 +124,7 @@ def local_moments(header: Array, period: float) -> Three:
             second += term
             j += 1
         second *= fade
-    else:  # The upper end of the integral is beyond rounding.
+    else:  # What lies beyond the upper end is below rounding.
         second = math.gamma(power) / z**power
     first = (fade + z * second) / (power - 1.0)
-    return scale * (fade + z * first) / (power - 2.0), scale * first, scale * second
-
-
-@kernel
-def mode_response(coefficients: Array, k: int, period: float) -> tuple[float, float, float, float]:
-    """Return the decay of mode `k` over a period, and what `f_0, f_1, f_2` add to it."""
-    header = coefficients[HEADER]
-    rate, weight = coefficients[RATE, k], coefficients[WEIGHT, k]
-    if header[SCHEME] == GRUNWALD_LETNIKOV:  # implicit Euler
-        factor = 1.0 / (1.0 + rate * period)
-        return math.exp(-header[TEMPERING] * period) * factor, weight * period * factor, 0.0, 0.0
-    z = (rate + header[TEMPERING]) * period
-    decay = math.exp(-z)
-    zeroth, first, second = exponential_moments(z, decay)
-    scale = weight * period
-    return decay, scale * zeroth, scale * first, scale * second
-
-
-@kernel
-def response_table(coefficients: Array, period: float) -> Array:
-    """Return decays and gains of all modes over a period, (4, modes)."""
-    table = np.empty((4, int(coefficients[HEADER, MODES])))
-    for k in range(table.shape[1]):
-        table[0, k], table[1, k], table[2, k], table[3, k] = mode_response(coefficients, k, period)
-    return table
-
-
-@kernel
-def decay_table(coefficients: Array, period: float) -> Array:
-    """Return the decays of all modes over a period, (1, modes)."""
-    header = coefficients[HEADER]
-    table = np.empty((1, int(header[MODES])))
-    fade = math.exp(-header[TEMPERING] * period)
-    for k in range(table.shape[1]):
-        rate = coefficients[RATE, k]
-        if header[SCHEME] == GRUNWALD_LETNIKOV:
-            table[0, k] = fade / (1.0 + rate * period)
-        else:
-            table[0, k] = math.exp(-(rate + header[TEMPERING]) * period)
-    return table
+    return (fade + z * first) / (power - 2.0), first, second

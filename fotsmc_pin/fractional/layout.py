@@ -10,7 +10,7 @@ RATE = 1  # s_k, tempering left out [1/s]
 WEIGHT = 2  # w_k
 START = 3  # what a first sample of 1 leaves in a mode
 DECAY = 4  # factor of a mode over one nominal period
-GAIN = 5  # three rows: what f_0, f_1, f_2 of a nominal period add to a mode
+GAIN = 5  # three rows: what value, difference, curvature of a nominal period add to a mode
 ROWS = 8
 
 # Columns of the header.
@@ -22,7 +22,7 @@ EXPONENT = 4  # β of the kernel t^{-β}/Γ(1-β); 1 stands for no kernel at all
 NORMALIZER = 5  # 1/Γ(1-β)
 TEMPERING = 6  # σ [1/s]
 START_GAIN = 7  # output per unit of the first sample
-LOCAL = 8  # three columns: what f_0, f_1, f_2 of a nominal period add to the output
+OUTPUT_GAINS = 8  # three columns: what they add to the output
 HEADER_COLUMNS = 11
 
 # Schemes.

@@ -8,7 +8,7 @@ import numpy as np
 
 from fotsmc_pin.checks import finite_number, finite_vector
 from fotsmc_pin.errors import ArgumentError
-from fotsmc_pin.fractional.advance import advance_if_finite, advance_many
+from fotsmc_pin.fractional.advance import advance_in_place, advance_many
 from fotsmc_pin.fractional.layout import FIRST_MODE, HEADER, MODES, PERIOD
 
 if TYPE_CHECKING:
@@ -31,10 +31,11 @@ class Stream:
             restores the stream bit for bit.
     """
 
-    __slots__ = ("coefficients", "memory")
+    __slots__ = ("_dt", "coefficients", "memory")
 
     def __init__(self, coefficients: Array, n: int) -> None:
         """Start `n` signals, with `coefficients` laid out as in `fractional.layout`."""
+        self._dt = float(coefficients[HEADER, PERIOD])
         self.coefficients = coefficients
         self.memory = np.zeros((n, FIRST_MODE + int(coefficients[HEADER, MODES])))
 
@@ -46,7 +47,7 @@ class Stream:
     @property
     def dt(self) -> float:
         """Nominal period [s]."""
-        return float(self.coefficients[HEADER, PERIOD])
+        return self._dt
 
     def update(self, x: ArrayLike, dt: float | None = None) -> Array:
         """Take the next sample and return the value of the operator there.
@@ -64,11 +65,10 @@ class Stream:
                 above zero. The state stays as it was.
         """
         sample = self._sample(x)
-        period = self.dt if dt is None else finite_number("dt", dt, above=0)
-        y = np.empty(self.memory.shape[0])
-        if not advance_if_finite(self.coefficients, self.memory, sample, period, y):
+        period = self._dt if dt is None else finite_number("dt", dt, above=0)
+        if not advance_in_place(self.coefficients, self.memory, sample, period):
             raise ArgumentError("x", x, "every entry must be finite")
-        return y
+        return sample
 
     def update_many(self, samples: ArrayLike, dt: ArrayLike | None = None) -> Array:
         """Take many samples at once, as `update` would one by one.
