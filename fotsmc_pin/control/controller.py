@@ -77,7 +77,7 @@ class Controller(ABC):
         self._configurations = np.zeros((2, arm.nq))
         self._q, self._q_d = self._configurations
         self._motion = np.zeros((5, arm.nv))
-        self._e, self._v = self._motion[E], self._motion[V]
+        self._v = self._motion[V]
         self._tau = np.zeros(arm.nv)
         self._effort_limit = np.array(arm.effort_limit)
         # Live views on Pinocchio's results. M0 is symmetric: its transpose is itself, in C order.
@@ -91,7 +91,7 @@ class Controller(ABC):
         self._initial_state = self._state.copy()
         self._code = settled(self._kernel, self.dt, *self._arguments)
         q, v = self._q, self._v
-        strict(take, q, v, q, v, v, self._configurations, self._motion)
+        strict(take, v, q, v, q, v, v, self._configurations, self._motion)
 
     @abstractmethod
     def _prepare(self) -> None:
@@ -132,8 +132,9 @@ class Controller(ABC):
                 controller is as it was, and the next good tick goes on from there.
         """
         try:
-            taken = take(q, v, q_d, v_d, a_d, self._configurations, self._motion)  # type: ignore[arg-type]
-        except (AttributeError, TypeError):  # not plain arrays of floats
+            e = pin.difference(self._model, q_d, q)
+            taken = take(e, q, v, q_d, v_d, a_d, self._configurations, self._motion)  # type: ignore[arg-type]
+        except (AttributeError, TypeError, ValueError):  # not plain arrays of floats
             taken = False
         if not taken:
             self._take_with_care(q, v, q_d, v_d, a_d)
@@ -146,7 +147,6 @@ class Controller(ABC):
         else:
             shortest, longest = SHORTEST_TICK * self.dt, LONGEST_TICK * self.dt
             dt = checks.finite_number("dt", dt, at_least=shortest, at_most=longest)
-        self._e[:] = pin.difference(self._model, self._q_d, self._q)
         self._model_terms()
         self._code(dt, *self._arguments)
         return self._tau.copy()
@@ -191,7 +191,8 @@ class Controller(ABC):
             except ArgumentError as error:
                 raise MeasurementError(name, value, error.remedy) from None
         q, v, q_d, v_d, a_d = clean
-        take(q, v, q_d, v_d, a_d, self._configurations, self._motion)
+        e = pin.difference(self._model, q_d, q)
+        take(e, q, v, q_d, v_d, a_d, self._configurations, self._motion)
 
     def _on_circles(self) -> bool:
         """Return whether the continuous joints of `q` and `q_d` are cosines and sines."""
@@ -203,7 +204,14 @@ class Controller(ABC):
 
 @kernel
 def take(
-    q: Array, v: Array, q_d: Array, v_d: Array, a_d: Array, configurations: Array, motion: Array
+    e: Array,
+    q: Array,
+    v: Array,
+    q_d: Array,
+    v_d: Array,
+    a_d: Array,
+    configurations: Array,
+    motion: Array,
 ) -> bool:
     """Copy the arguments of a tick, each number kept below `LARGEST`; fill in `ė = v - v_d`.
 
@@ -219,6 +227,7 @@ def take(
     for j in range(nv):
         if not (math.isfinite(v[j]) and math.isfinite(v_d[j]) and math.isfinite(a_d[j])):
             return False
+        motion[E, j] = clip(e[j], LARGEST)
         motion[V, j] = clip(v[j], LARGEST)
         motion[V_D, j] = clip(v_d[j], LARGEST)
         motion[A_D, j] = clip(a_d[j], LARGEST)
