@@ -1,5 +1,18 @@
-"""Judging a run: metrics, and the bounds that theory gives."""
+"""Judging a run: metrics, and what theory says of a law beforehand."""
 
-from fotsmc_pin.analysis.metrics import Summary, summarize
+from fotsmc_pin.analysis.bounds import reaching_time_bound, settling_time_bound
+from fotsmc_pin.analysis.metrics import Summary, settling_time, summarize
+from fotsmc_pin.analysis.surface import sector_margin, surface_decay, surface_margin
+from fotsmc_pin.control.paper_condition import obeys_power_condition
 
-__all__ = ["Summary", "summarize"]
+__all__ = [
+    "Summary",
+    "obeys_power_condition",
+    "reaching_time_bound",
+    "sector_margin",
+    "settling_time",
+    "settling_time_bound",
+    "summarize",
+    "surface_decay",
+    "surface_margin",
+]

@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.integrate import trapezoid
 
 from fotsmc_pin import checks
 
@@ -22,6 +23,9 @@ AT_LIMIT = 1.0 - 1e-9
 @dataclass(frozen=True, kw_only=True)
 class Summary:
     """What a run came to. `‖e‖` is the Euclidean norm of the tracking error over all joints.
+
+    Units are those of an arm whose joints all turn. Where some slide, `‖e‖` adds up radians and
+    metres, and the torques newton-metres and newtons: compare such numbers on one arm only.
 
     Attributes:
         settling_time: first time after which `‖e‖` stays below 10 mrad [s]; inf if it never does.
@@ -81,15 +85,15 @@ def summarize(rec: Recording) -> Summary:
         tail_rms_error=_rms(error[tail]),
         max_error=float(error.max()),
         max_tail_error=float(error[tail].max()),
-        iae=float(np.trapezoid(error, t)),
-        ise=float(np.trapezoid(error**2, t)),
-        itae=float(np.trapezoid(t * error, t)),
+        iae=float(trapezoid(error, t)),
+        ise=float(trapezoid(error**2, t)),
+        itae=float(trapezoid(t * error, t)),
         peak_torque=float(np.abs(tau).max()),
         rms_torque=_rms(np.linalg.norm(tau, axis=1)),
         torque_variation=torque_variation(t, tau),
         tail_torque_variation=torque_variation(t[tail], tau[tail]),
         chattering=power_above(t[tail], tau[tail], 20.0),
-        energy=float(np.trapezoid(np.abs(tau * rec.v).sum(axis=1), t)),
+        energy=float(trapezoid(np.abs(tau * rec.v).sum(axis=1), t)),
         saturation_fraction=float(limited.any(axis=1).mean()),
         duration=float(t[-1] - t[0]),
     )
