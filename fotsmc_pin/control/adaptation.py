@@ -16,7 +16,8 @@ ADAPTATION = ("printed", "dead_zone", "leakage", "projection")
 
 - `printed`: `dB̂/dt = rate ‖S‖ (1, ‖v‖)`, [23], [24]; never falls, since `‖S‖ ≥ 0`;
 - `dead_zone`: the same, at rest while `‖S‖` is below a threshold;
-- `leakage`: `dB̂/dt = rate ‖S‖ (1, ‖v‖) - leak (B̂ - B̂(0))` (σ-modification), so that it forgets;
+- `leakage`: `dB̂/dt = rate ‖S‖ (1, ‖v‖) - leak (B̂ - B̂(0))` (σ-modification), so that it forgets,
+  held at a largest value;
 - `projection`: the printed law, held at a largest value.
 """
 
@@ -40,6 +41,6 @@ def adapt(
         fade = math.exp(-leak * dt)
         for k in range(2):
             B[k] = B_start[k] + (B[k] - B_start[k]) * fade
-    if kind == PROJECTION:
+    if kind in (LEAKAGE, PROJECTION):
         for k in range(2):
             B[k] = min(B[k], largest)

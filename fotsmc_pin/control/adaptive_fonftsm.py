@@ -36,7 +36,9 @@ class AdaptiveFONFTSMGains(SurfaceGains):
         adaptation: one of `ADAPTATION`.
         dead_zone: `‖S‖` below which the dead zone rests.
         leakage: rate at which leakage forgets.
-        largest_bound: where projection holds `B̂0` and `B̂1`.
+        largest_bound: where leakage and projection hold `B̂0` and `B̂1`. Inside the boundary layer
+            the switching term is a gain of up to `B̂/φ` on the speed, which the tick must carry:
+            keep it well below `φ/dt`.
     """
 
     upsilon_0: float = scalar(0.05, above=0.0)
@@ -71,7 +73,14 @@ class AdaptiveFONFTSM(FONFTSM):
     Gains = AdaptiveFONFTSMGains
     presets: ClassVar[Mapping[str, Mapping[str, Any]]] = {
         "paper": {},
-        "practical": PRACTICAL | {"adaptation": "leakage", "upsilon_0": 1.0, "upsilon_1": 1.0},
+        "practical": PRACTICAL
+        | {
+            "adaptation": "leakage",
+            "upsilon_0": 0.01,
+            "upsilon_1": 0.1,
+            "B1_start": 0.0,
+            "largest_bound": 30.0,
+        },
     }
 
     def _prepare(self) -> None:
