@@ -220,13 +220,12 @@ class Arm:
 
     @cached_property
     def neutral(self) -> Vector:
-        """A plain configuration, (nq,): zero, or mid-range where zero is outside the limits."""
+        """A plain configuration, (nq,): zero, or mid-range for joints whose limits exclude zero."""
         lower, upper = self.lower_position_limit, self.upper_position_limit
-        outside = (lower > 0.0) | (upper < 0.0)
-        middle = np.where(np.isinf(lower), upper, np.where(np.isinf(upper), lower, 0.5 * lower))
-        both = np.isfinite(lower) & np.isfinite(upper)
-        middle = np.where(both, 0.5 * (np.where(both, lower, 0) + np.where(both, upper, 0)), middle)
-        return _frozen(self.from_joint_positions(np.where(outside, middle, 0.0)))
+        outside, bounded = (lower > 0.0) | (upper < 0.0), np.isfinite(lower) & np.isfinite(upper)
+        middle = 0.5 * (np.where(bounded, lower, 0.0) + np.where(bounded, upper, 0.0))
+        nearest = np.where(bounded, middle, np.clip(0.0, lower, upper))
+        return _frozen(self.from_joint_positions(np.where(outside, nearest, 0.0)))
 
     def difference(self, q_d: ArrayLike, q: ArrayLike) -> Vector:
         """Return the tangent error `e = q ⊖ q_d`, (nv,) [rad or m].

@@ -84,9 +84,13 @@ def known_names() -> tuple[str, ...]:
 
 
 def shared_folders() -> tuple[Path, ...]:
-    """Return the folders in which installed packages of robots lie."""
+    """Return the folders in which packages of robots are installed: here and by ROS."""
     robots = example_robots_folder()
-    return () if robots is None else (robots.parents[1],)
+    found = [] if robots is None else [robots.parents[1]]
+    for variable, inside in (("ROS_PACKAGE_PATH", "."), ("AMENT_PREFIX_PATH", "share")):
+        folders = os.environ.get(variable, "").split(os.pathsep)
+        found += [Path(folder) / inside for folder in folders if folder]
+    return tuple(found)
 
 
 def urdf_folder() -> Path:

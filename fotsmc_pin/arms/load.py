@@ -71,7 +71,7 @@ def load_arm(
         source: path of a URDF; or the name of a bundled arm ("two_link", "two_link_true"), of one
             in example-robot-data ("panda", "ur5", ...), or of one in robot_descriptions.
         package_dirs: folders that hold the packages which `package://` addresses name. Folders
-            above the file and those of example-robot-data are searched by themselves.
+            above the file, of example-robot-data and of ROS are searched by themselves.
         lock: joints to fix, by name or pattern; a mapping also says where [rad or m].
         keep: the only joints to leave free, by name or pattern.
         armature: motor inertia seen from the joint [kg·m² or kg]; in a file,

@@ -233,6 +233,20 @@ def test_example_robot_data_meshes_are_found_from_a_written_file(tmp_path):
     assert len(arm.visual_model().geometryObjects) == 7
 
 
+@pytest.mark.parametrize(
+    ("variable", "folder"), [("ROS_PACKAGE_PATH", "w/src"), ("AMENT_PREFIX_PATH", "w/share")]
+)
+def test_packages_of_ros_are_found(made, monkeypatch, variable, folder):
+    meshes = made.folder / folder / "my_arm"
+    meshes.mkdir(parents=True)
+    (meshes / "tri.stl").touch()
+    root = made.folder / ("w" if folder.endswith("share") else folder)
+    monkeypatch.setenv(variable, f"/nowhere:{root}")
+    mesh = '<visual><geometry><mesh filename="package://my_arm/tri.stl"/></geometry></visual>'
+    path = made.file(made.link("arm", extra=mesh), made.joint("turn", "base", "arm"))
+    assert load_arm(path).package_dirs == (str(made.folder / folder),)
+
+
 def test_package_dirs_must_be_a_list():
     with pytest.raises(ArgumentError, match="package_dirs"):
         load_arm("two_link", package_dirs="meshes")
