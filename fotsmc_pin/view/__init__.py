@@ -10,6 +10,7 @@ from fotsmc_pin.view.figures import (
     velocity_figure,
 )
 from fotsmc_pin.view.plot import plot
+from fotsmc_pin.view.report import write_report
 from fotsmc_pin.view.style import new_figure, paper_style, save_figure
 
 __all__ = [
@@ -24,4 +25,5 @@ __all__ = [
     "torque_figure",
     "tracking_figure",
     "velocity_figure",
+    "write_report",
 ]

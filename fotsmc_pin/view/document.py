@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from fotsmc_pin.simulation import Recording
     from fotsmc_pin.view.pack import Pack
 
-FACES_AT_MOST = {"compact": 160_000, "full": 100_000_000}
+FACES_AT_MOST = {"compact": 140_000, "full": 100_000_000}
 GAP = 0.15
 
 
@@ -102,7 +102,8 @@ def document(shots: Sequence[Shot], options: Mapping[str, Any], pack: Pack) -> d
             {"name": v.name, "joint": v.joint, "mesh": numbers[id(v.mesh)]} for v in shot.visuals
         ]
         same_ghost = [run["frames"]["ghost"], run["frames"]["t"], run["offset"]]
-        if same_ghost in ghosts:
+        if same_ghost in ghosts:  # One picture of a common reference is enough.
+            run["ghost_of"] = ghosts.index(same_ghost)
             del run["frames"]["ghost"], run["frames"]["tool_d"]
         ghosts.append(same_ghost)
         runs.append(run)
@@ -136,6 +137,9 @@ def _run(shot: Shot, signals: Sequence[str] | None, pack: Pack) -> dict[str, Any
     times, thin = thinned_curves(recording.t, np.hstack(list(columns.values())))
     ends = np.cumsum([table.shape[1] for table in columns.values()])[:-1]
     curves = dict(zip(columns, np.split(thin, ends, axis=1), strict=True))
+    whole = len(times) == len(recording.t)
+    # Thinned curves keep extremes but not instants; then the numbers of each frame go along.
+    sampled = {} if whole else {n: pack.add(columns[n][rows].T) for n in ("e", "tau")}
     return {
         "name": shot.name,
         "arm": arm.name,
@@ -150,8 +154,7 @@ def _run(shot: Shot, signals: Sequence[str] | None, pack: Pack) -> dict[str, Any
             "ghost": _motion(shot.ghost, pack),
             "tool": pack.add(shot.arm.tool.T),
             "tool_d": pack.add(shot.ghost.tool.T),
-            "e": pack.add(recording.e[rows].T),
-            "tau": pack.add(recording.tau[rows].T),
+            **sampled,
         },
         "charts": {
             "t": pack.add(times),

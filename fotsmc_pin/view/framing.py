@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from fotsmc_pin.view.motion import tool_frame_number
-
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -84,7 +82,7 @@ def swept_points(visuals: Sequence[Visual], motions: Sequence[Motion]) -> Floats
 def reach_of(arm: Arm) -> float:
     """Return the length of the chain from the first joint to the tool frame [m]."""
     model = arm.model
-    frame = model.frames[tool_frame_number(arm)]
+    frame = model.frames[arm.tool_frame_id]
     length = float(np.linalg.norm(frame.placement.translation))
     joint = int(frame.parentJoint)
     while int(model.parents[joint]) > 0:

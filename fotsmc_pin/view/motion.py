@@ -50,7 +50,7 @@ def motion(arm: Arm, q: Floats) -> Motion:
     """Return the forward kinematics of `arm` at the configurations `q` (K, nq)."""
     model = arm.model
     data = model.createData()
-    tool = tool_frame_number(arm)
+    tool = arm.tool_frame_id
     poses = np.empty((len(q), model.njoints, 7))
     tools = np.empty((len(q), 3))
     for row, configuration in enumerate(np.ascontiguousarray(q)):
@@ -59,14 +59,6 @@ def motion(arm: Arm, q: Floats) -> Motion:
             poses[row, joint] = pin.SE3ToXYZQUAT(placement)
         tools[row] = pin.updateFramePlacement(model, data, tool).translation
     return Motion(position=poses[..., :3], orientation=_continuous(poses[..., 3:]), tool=tools)
-
-
-def tool_frame_number(arm: Arm) -> int:
-    """Return the index of the tool's frame: of equal names the link's."""
-    model, name = arm.model, arm.tool_frame
-    if model.existFrame(name, pin.FrameType.BODY):
-        return int(model.getFrameId(name, pin.FrameType.BODY))
-    return int(model.getFrameId(name))
 
 
 def _continuous(quaternions: Floats) -> Floats:

@@ -12,7 +12,6 @@ import numpy as np
 from fotsmc_pin.view import shapes
 from fotsmc_pin.view.collada import read_collada
 from fotsmc_pin.view.meshes import Mesh
-from fotsmc_pin.view.motion import tool_frame_number
 from fotsmc_pin.view.skeleton import skeleton
 from fotsmc_pin.view.stl import read_stl
 
@@ -48,7 +47,7 @@ def visuals_of(arm: Arm) -> list[Visual]:
         return drawn
     bones = [
         Visual(name=name, joint=joint, mesh=mesh)
-        for name, joint, mesh in skeleton(arm.model, arm.model.frames[tool_frame_number(arm)])
+        for name, joint, mesh in skeleton(arm.model, arm.model.frames[arm.tool_frame_id])
     ]
     return bones + drawn
 

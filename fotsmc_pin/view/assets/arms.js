@@ -59,7 +59,7 @@ class Path {
 }
 
 class Run {
-  constructor(scene, run, index, several, size) {
+  constructor(scene, run, several, size) {
     this.run = run;
     this.root = new THREE.Group();
     this.root.position.fromArray(run.offset);
@@ -97,16 +97,18 @@ class Run {
     }
   }
 
-  show({ time, ghost, paths }) {
+  // `sharers` are the runs whose reference this run's ghost shows.
+  show({ time, ghost, paths }, sharers) {
     const place = locate(this.run.frames.t, time);
-    this.root.visible = this.shown;
+    const asked = ghost && sharers.some((run) => run.shown);
+    this.figure.root.visible = this.shown;
     this.figure.move(place);
-    this.path.grow(place, paths);
+    this.path.grow(place, this.shown ? paths : "off");
     if (this.ghost) {
-      this.ghost.root.visible = ghost;
+      this.ghost.root.visible = asked;
       this.ghost.move(place);
     }
-    if (this.reference) this.reference.grow(place, ghost ? paths : "off");
+    if (this.reference) this.reference.grow(place, asked ? paths : "off");
   }
 }
 

@@ -15,8 +15,8 @@ function meshGeometry(mesh) {
   return geometry;
 }
 
-// Three corners for each face; a corner's normal is the mean of those faces around its vertex that
-// meet this face at less than the crease angle.
+// A corner's normal is the mean of those faces around its vertex that meet its own face at less than
+// the crease angle.
 function creased(points, faces) {
   const count = faces.length / 3;
   const normals = new Float32Array(3 * count);
@@ -38,13 +38,16 @@ function creased(points, faces) {
   const members = new Uint32Array(faces.length);
   for (let i = 0; i < faces.length; i++) members[next[faces[i]]++] = Math.floor(i / 3);
 
-  const corners = new Float32Array(3 * faces.length);
-  const smooth = new Float32Array(3 * faces.length);
+  // Corners of one vertex with one normal become one vertex again: a chain per vertex finds them.
+  const [corners, smooth, chain] = [[], [], []];
+  const first = new Int32Array(points.length / 3).fill(-1);
+  const indices = new Uint32Array(faces.length);
   for (let i = 0; i < faces.length; i++) {
     const f = Math.floor(i / 3);
+    const vertex = faces[i];
     const [fx, fy, fz] = [normals[3 * f], normals[3 * f + 1], normals[3 * f + 2]];
     let x = 0, y = 0, z = 0;
-    for (let m = around[faces[i]]; m < around[faces[i] + 1]; m++) {
+    for (let m = around[vertex]; m < around[vertex + 1]; m++) {
       const g = members[m];
       const [gx, gy, gz] = [normals[3 * g], normals[3 * g + 1], normals[3 * g + 2]];
       if (fx * gx + fy * gy + fz * gz >= CREASE * lengths[f] * lengths[g]) {
@@ -54,12 +57,24 @@ function creased(points, faces) {
       }
     }
     const length = Math.hypot(x, y, z) || 1;
-    smooth.set([x / length, y / length, z / length], 3 * i);
-    corners.set(points.subarray(3 * faces[i], 3 * faces[i] + 3), 3 * i);
+    x /= length;
+    y /= length;
+    z /= length;
+    let k = first[vertex];
+    while (k >= 0 && x * smooth[3 * k] + y * smooth[3 * k + 1] + z * smooth[3 * k + 2] < 0.9999) k = chain[k];
+    if (k < 0) {
+      k = chain.length;
+      chain.push(first[vertex]);
+      first[vertex] = k;
+      corners.push(points[3 * vertex], points[3 * vertex + 1], points[3 * vertex + 2]);
+      smooth.push(x, y, z);
+    }
+    indices[i] = k;
   }
   const geometry = new THREE.BufferGeometry();
-  geometry.setAttribute("position", new THREE.BufferAttribute(corners, 3));
-  geometry.setAttribute("normal", new THREE.BufferAttribute(smooth, 3));
+  geometry.setAttribute("position", new THREE.Float32BufferAttribute(corners, 3));
+  geometry.setAttribute("normal", new THREE.Float32BufferAttribute(smooth, 3));
+  geometry.setIndex(new THREE.BufferAttribute(indices, 1));
   return geometry;
 }
 

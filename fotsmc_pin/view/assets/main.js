@@ -12,15 +12,15 @@ async function start() {
   const stage = new Stage(page.scene, data.view);
   data.meshes.forEach((mesh) => (mesh.geometry = meshGeometry(mesh)));
   const several = data.runs.length > 1;
-  const runs = data.runs.map((run, index) => {
+  const runs = data.runs.map((run) => {
     run.visuals.forEach((visual) => Object.assign(visual, { mesh: data.meshes[visual.mesh], geometry: data.meshes[visual.mesh].geometry }));
-    return new Run(stage.root, run, index, several, stage.size);
+    return new Run(stage.root, run, several, stage.size);
   });
   const look = { time: 0, ghost: data.options.ghost, paths: data.options.paths };
   const readout = new Readout(page, runs, (time) => player.seek(time));
   const show = (time = look.time) => {
     look.time = time;
-    runs.forEach((run) => run.show(look));
+    runs.forEach((run, index) => run.show(look, runs.filter(({ run }, k) => (run.ghost_of ?? k) === index)));
     readout.seek(time);
     stage.viewer.set_dirty();
   };
@@ -57,6 +57,7 @@ async function start() {
     g: () => setGhost(!look.ghost),
     p: () => setPaths({ growing: "whole", whole: "off", off: "growing" }[look.paths]),
     r: reset,
+    s: () => stage.setShadows(!stage.shadows),
     t: () => theme.flip(),
   });
   theme.onChange = () => {
@@ -73,6 +74,7 @@ async function start() {
     player.tick(now);
     stage.render();
   };
+  stage.render();
   requestAnimationFrame(frame);
   window.fotsmc = handle({ data, runs, stage, player, readout });
   if (data.options.play && !matchMedia("(prefers-reduced-motion: reduce)").matches) player.toggle(true);
@@ -90,6 +92,8 @@ function handle({ data, runs, stage, player, readout }) {
     get time() { return player.time; },
     get playing() { return player.playing; },
     get duration() { return player.end - player.start; },
+    // Seconds from opening the page to its first picture.
+    readyAfter: performance.now() / 1000,
     runs: data.runs.map(({ name }) => name),
     play: () => player.toggle(true),
     pause: () => player.toggle(false),
@@ -112,6 +116,8 @@ function handle({ data, runs, stage, player, readout }) {
       });
       stage.viewer.set_dirty();
     },
+    // Slow machines draw about twice as fast without.
+    setShadows: (on) => stage.setShadows(on),
     capture: () => stage.viewer.capture_image(),
   };
 }

@@ -160,12 +160,12 @@ class Readout {
     this.onSeek(this.time);
   }
 
-  // Numbers of run `index` at a time, straight from its frames.
+  // Numbers of run `index` at a time: from its curves, or from its frames where those are thinned.
   values(index, quantity, time) {
-    const { frames } = this.runs[index].run;
-    const table = frames[quantity];
-    const rows = frames.t.length;
-    const place = locate(frames.t, time);
+    const { frames, charts } = this.runs[index].run;
+    const { t, [quantity]: table } = frames[quantity] ? frames : charts;
+    const rows = t.length;
+    const place = locate(t, time);
     return Array.from({ length: table.length / rows }, (_, j) => interpolate(column(table, j, rows), place));
   }
 

@@ -47,6 +47,8 @@ class Stage {
     fill.position.copy(this.center).addScaledVector(aside, -2 * this.size);
     fill.position.add(new THREE.Vector3(0, 0, 0.6 * this.size));
     fill.target.position.copy(this.center);
+    this.key = key;
+    this.shadows = true;
     this.root.add(sky, key, key.target, fill, fill.target);
   }
 
@@ -127,6 +129,11 @@ class Stage {
     if (!this.pane.clientWidth || !this.pane.clientHeight) return;
     this.viewer.set_3d_pane_size();
     if (!this.moved) this.look(this.direction ?? this.view.direction);
+    this.viewer.set_dirty();
+  }
+
+  setShadows(on) {
+    this.shadows = this.key.castShadow = on;
     this.viewer.set_dirty();
   }
 
