@@ -1,7 +1,8 @@
-"""Streaming fractional calculus: derivatives and integrals of non-integer order, sample by sample."""
+"""Streaming fractional calculus: derivatives and integrals of any order from 0 to 1."""
 
 from fotsmc_pin.fractional.advance import advance, commit, predict
 from fotsmc_pin.fractional.exponential_sum import ExponentialSum, power_law_sum
+from fotsmc_pin.fractional.grunwald_letnikov import WeightSum
 from fotsmc_pin.fractional.operators import FractionalDerivative, FractionalIntegral
 from fotsmc_pin.fractional.stream import Stream
 
@@ -10,6 +11,7 @@ __all__ = [
     "FractionalDerivative",
     "FractionalIntegral",
     "Stream",
+    "WeightSum",
     "advance",
     "commit",
     "power_law_sum",

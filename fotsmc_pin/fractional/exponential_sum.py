@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from fotsmc_pin.errors import ArgumentError
-from fotsmc_pin.fractional.gauss import gauss_rule, jacobi_matrix
+from fotsmc_pin.fractional.gauss import merge
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -53,9 +53,11 @@ class ExponentialSum:
         return np.exp(-np.multiply.outer(t, self.rates)) @ self.weights
 
     def __repr__(self) -> str:
+        """Return the certificate in words."""
         return (
-            f"ExponentialSum(exponent={self.exponent:g}, modes={self.modes}, relative error at most "
-            f"{self.certificate:.2g} on [{self.shortest:g}, {self.longest:g}] s)"
+            f"ExponentialSum(exponent={self.exponent:g}, modes={self.modes}, "
+            f"relative error at most {self.certificate:.2g} "
+            f"on [{self.shortest:g}, {self.longest:g}] s)"
         )
 
 
@@ -66,9 +68,8 @@ def power_law_sum(
     """Return the shortest sum found for `t^{-β}/Γ(1-β)` that keeps the tolerance.
 
     The integral `t^{-β}/Γ(1-β) = sin(πβ)/π ∫ e^{βu - e^u t} du` is taken by the trapezoid rule,
-    whose error falls exponentially with the step [Trefethen and Weideman 2014, McLean 2018]. Rates
-    far below `1/longest`, of which there would be hundreds for a small `β`, are merged into a few by
-    Gauss quadrature.
+    whose error falls exponentially with the step [McLean 2018]. Rates far below `1/longest`, of
+    which there would be hundreds for a small `β`, are merged into a few by Gauss quadrature.
 
     Args:
         exponent: `β`, between 0 and 1.
@@ -79,16 +80,11 @@ def power_law_sum(
     Raises:
         ArgumentError: with a horizon or a tolerance that would work.
     """
-    step = _trapezoid_step(exponent, tolerance)
-    rates, weights = _trapezoid(exponent, shortest, longest, tolerance, step)
+    step = trapezoid_step(exponent, tolerance)
+    fastest = _fastest_rate(exponent, tolerance, step) / shortest
+    rates, weights = trapezoid(exponent, fastest, 1e-18 / longest, step)
     rates, weights = merge_slow_rates(rates, weights, longest, exponent, tolerance)
-    if rates.size > MOST_MODES:
-        decades = math.log10(longest / shortest) - (rates.size - MOST_MODES) * step / math.log(10)
-        remedy = (
-            f"{rates.size} modes would be needed, {MOST_MODES} is the most; "
-            f"choose at most {shortest * 10 ** (decades - 0.5):.2g} s or a larger tolerance"
-        )
-        raise ArgumentError("horizon", longest, remedy)
+    refuse_too_many(rates.size, step, longest)
     for array in (rates, weights):
         array.setflags(write=False)
     certificate = _largest_relative_error(rates, weights, exponent, shortest, longest)
@@ -103,7 +99,19 @@ def power_law_sum(
     )
 
 
-def _trapezoid_step(exponent: float, tolerance: float) -> float:
+def refuse_too_many(modes: int, step: float, horizon: float) -> None:
+    """Raise an `ArgumentError` with a horizon that would work, if there are too many modes."""
+    if modes > MOST_MODES:
+        within = horizon * math.exp(-(modes - MOST_MODES + 1) * step)
+        raise ArgumentError(
+            "horizon",
+            horizon,
+            f"{modes} modes would be needed and {MOST_MODES} is the most: "
+            f"give at most {within:.1g} s, or a larger tolerance",
+        )
+
+
+def trapezoid_step(exponent: float, tolerance: float) -> float:
     """Step in `log s` whose aliasing error `2 |Γ(β + 2πi/h)| / Γ(β)` is half the tolerance."""
     frequency = 10.0
     for _ in range(20):
@@ -112,17 +120,19 @@ def _trapezoid_step(exponent: float, tolerance: float) -> float:
     return 2 * math.pi / frequency
 
 
-def _trapezoid(
-    exponent: float, shortest: float, longest: float, tolerance: float, step: float
-) -> tuple[Array, Array]:
-    """Points of the rule, fastest first; all that lie below `1e-18/longest` stand as one at zero."""
+def _fastest_rate(exponent: float, tolerance: float, step: float) -> float:
+    """Last rate at which the integrand is above an eighth of the tolerance, at `t = 1`."""
     top = 10.0
     for _ in range(20):
         tail = 8 * step * top**exponent / (math.gamma(exponent) * tolerance)
         top = max(1.0, math.log(tail))
-    fastest = math.log(top / shortest) - step
-    number = math.ceil((fastest - math.log(1e-18 / longest)) / step)
-    logarithms = fastest - step * np.arange(number)
+    return top * math.exp(-step)
+
+
+def trapezoid(exponent: float, fastest: float, slowest: float, step: float) -> tuple[Array, Array]:
+    """Rates and weights of `sin(πβ)/π ∫ e^{βu} δ(e^u) du`; the rates below `slowest` stand at 0."""
+    number = math.ceil(math.log(fastest / slowest) / step)
+    logarithms = math.log(fastest) - step * np.arange(number)
     scale = math.sin(math.pi * exponent) / math.pi * step
     weights = scale * np.exp(exponent * logarithms)
     rest = scale * math.exp(exponent * (logarithms[-1] - step)) / -math.expm1(-exponent * step)
@@ -132,27 +142,15 @@ def _trapezoid(
 def merge_slow_rates(
     rates: Array, weights: Array, longest: float, exponent: float, tolerance: float
 ) -> tuple[Array, Array]:
-    """Replace the slow rates by the Gauss rule that saves most modes within a quarter tolerance."""
+    """Merge the rates that are slow on the scale of `longest`, within a quarter tolerance."""
     times = longest * np.logspace(-3, 0, 60)
-    allowed = 0.25 * tolerance * times**-exponent / math.gamma(1 - exponent)
-    best = rates, weights
-    for reach in (1.0, 2.0, 4.0, 8.0, 16.0, 32.0):
-        slow = rates * longest <= reach
-        if slow.sum() < 2:
-            continue
-        exact = np.exp(-np.outer(times, rates[slow])) @ weights[slow]
-        jacobi = jacobi_matrix(rates[slow], weights[slow], min(24, int(slow.sum())))
-        for size in range(1, len(jacobi) + 1):
-            points, masses = gauss_rule(jacobi[:size, :size], weights[slow].sum())
-            error = np.abs(np.exp(-np.outer(times, points)) @ masses - exact)
-            if np.all(error <= allowed):
-                if size + (~slow).sum() < best[0].size:
-                    best = (
-                        np.append(rates[~slow], points[::-1]),
-                        np.append(weights[~slow], masses[::-1]),
-                    )
-                break
-    return best
+    return merge(
+        rates,
+        weights,
+        np.array([1.0, 2.0, 4.0, 8.0, 16.0, 32.0]) / longest,
+        lambda nodes: np.exp(-np.outer(times, nodes)),
+        np.maximum(0.25 * tolerance, 1e-14) * times**-exponent / math.gamma(1 - exponent),
+    )
 
 
 def _largest_relative_error(

@@ -1,4 +1,4 @@
-"""Gauss quadrature of a discrete positive measure: many points become few, with positive weights."""
+"""Gauss quadrature of a discrete positive measure: many points become few."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
     from numpy.typing import NDArray
 
     Array: TypeAlias = NDArray[np.float64]
@@ -44,3 +46,35 @@ def gauss_rule(jacobi: Array, mass: float) -> tuple[Array, Array]:
     """
     points, vectors = np.linalg.eigh(jacobi)
     return np.maximum(points, 0.0), mass * vectors[0] ** 2
+
+
+def merge(
+    points: Array,
+    weights: Array,
+    limits: Iterable[float],
+    evaluate: Callable[[Array], Array],
+    allowed: Array,
+) -> tuple[Array, Array]:
+    """Replace the points up to one of the limits by the Gauss rule that saves most points.
+
+    Args:
+        points: of the measure, (N,), not negative.
+        weights: of the measure, (N,), positive.
+        limits: which parts `points <= limit` to try.
+        evaluate: values of the functions that the measure integrates, (functions, points).
+        allowed: how far each integral may change, (functions,).
+    """
+    best = points, weights
+    for limit in limits:
+        low = points <= limit
+        if low.sum() < 2:
+            continue
+        exact = evaluate(points[low]) @ weights[low]
+        jacobi = jacobi_matrix(points[low], weights[low], min(24, int(low.sum())))
+        for size in range(1, len(jacobi) + 1):
+            nodes, masses = gauss_rule(jacobi[:size, :size], weights[low].sum())
+            if np.all(np.abs(evaluate(nodes) @ masses - exact) <= allowed):
+                if size + np.sum(~low) < best[0].size:
+                    best = np.append(points[~low], nodes), np.append(weights[~low], masses)
+                break
+    return best
