@@ -108,7 +108,7 @@ class Arm:
     @cached_property
     def model(self) -> pin.Model:
         """Pinocchio's model, with armature and limits filled in; never change it."""
-        return build_model(self.tree, self.urdf)
+        return build_model(self.tree)
 
     @cached_property
     def _data(self) -> pin.Data:

@@ -65,7 +65,7 @@ def read_inertia(tree: UrdfTree, link: str) -> LinkInertia | None:
     """Return the inertia of a link, None where the file gives none.
 
     Raises:
-        UrdfError: negative mass, or entries that are no finite numbers.
+        UrdfError: negative mass, or entries that are missing or no finite numbers.
     """
     inertial = tree.links[link].find("inertial")
     if inertial is None:
@@ -80,6 +80,8 @@ def read_inertia(tree: UrdfTree, link: str) -> LinkInertia | None:
     origin, matrix = inertial.find("origin"), inertial.find("inertia")
     about_com = np.zeros((3, 3))
     for name, row, column in ENTRIES:
+        if matrix is None or matrix.get(name) is None:
+            raise tree.fail(f'{where}: its <inertial> has no <inertia {name}="...">')
         (entry,) = tree.numbers(matrix, name, (0.0,), where)
         about_com[row, column] = about_com[column, row] = entry
     return LinkInertia(

@@ -118,7 +118,7 @@ def load_arm(
             notes.append(f"{joint.name} mimics {mimic.get('joint')} in the file, is free here")
     anchor_meshes(tree.robot, path.parent)
 
-    joint_names = tuple(build_model(tree, urdf_text(tree.robot)).names)[1:]
+    joint_names = tuple(build_model(tree).names)[1:]
     overrides = {
         "armature": armature,
         "friction": friction,

@@ -2,27 +2,31 @@
 
 from __future__ import annotations
 
+import xml.etree.ElementTree as ET
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
 
+from fotsmc_pin.arms.inertia import read_inertia
+from fotsmc_pin.arms.markup import urdf_text
 from fotsmc_pin.arms.properties import read_properties
 
 if TYPE_CHECKING:
     from fotsmc_pin.arms.tree import UrdfTree
 
 
-def build_model(tree: UrdfTree, urdf: str) -> pin.Model:
+def build_model(tree: UrdfTree) -> pin.Model:
     """Return Pinocchio's model of a URDF, with armature and limits as `Arm` reads them.
 
     Raises:
-        UrdfError: the parser behind Pinocchio refuses the text.
+        UrdfError: the parser behind Pinocchio refuses the file, or reads another mass in it.
     """
     try:
-        model = pin.buildModelFromXML(urdf)
+        model = pin.buildModelFromXML(urdf_text(_bare(tree)))
     except (ValueError, RuntimeError) as error:
         raise tree.fail(f"Pinocchio cannot read it: {error}") from None
+    _demand_same_mass(tree, model)
     armature = np.zeros(model.nv)
     effort, velocity = np.full(model.nv, np.inf), np.full(model.nv, np.inf)
     lower, upper = model.lowerPositionLimit.copy(), model.upperPositionLimit.copy()
@@ -39,3 +43,28 @@ def build_model(tree: UrdfTree, urdf: str) -> pin.Model:
     model.upperVelocityLimit, model.lowerVelocityLimit = velocity, -velocity
     model.lowerPositionLimit, model.upperPositionLimit = lower, upper
     return model
+
+
+def _bare(tree: UrdfTree) -> ET.Element:
+    """Return joints, and links with their inertias alone: all that dynamics depend on.
+
+    The parser behind Pinocchio drops whole parts of a link when it stumbles over one of its
+    shapes; so it sees no shapes.
+    """
+    robot = ET.Element("robot", name=tree.robot.get("name") or tree.origin)
+    for name, link in tree.links.items():
+        ET.SubElement(robot, "link", name=name).extend(link.findall("inertial"))
+    robot.extend(joint.element for joint in tree.joints.values())
+    return robot
+
+
+def _demand_same_mass(tree: UrdfTree, model: pin.Model) -> None:
+    moved = {name for joint in tree.moving_joints for name in tree.rigid_body(joint.child)}
+    inertias = (read_inertia(tree, link) for link in moved)
+    expected = sum(inertia.mass for inertia in inertias if inertia is not None)
+    found = sum(body.mass for body in list(model.inertias)[1:])
+    if abs(found - expected) > 1e-9 * expected:
+        raise tree.fail(
+            f"Pinocchio finds {found:.6g} kg that move, the <inertial> tags say {expected:.6g}; "
+            "one of them is not as URDF wants it"
+        )

@@ -38,6 +38,13 @@ class Joint:
         return self.type in MOVING_TYPES
 
 
+def plain_float(text: str) -> float:
+    """Return the number that C and Python both read; Python alone reads `1_000` and `１`."""
+    if "_" in text or not text.isascii():
+        raise ValueError(text)
+    return float(text)
+
+
 class UrdfTree:
     """Links and joints of a `<robot>` element.
 
@@ -108,7 +115,7 @@ class UrdfTree:
         if text is None:
             return default
         try:
-            value = float(text)
+            value = plain_float(text)
         except ValueError:
             value = math.nan
         if math.isnan(value):
@@ -124,7 +131,7 @@ class UrdfTree:
         if text is None:
             return default
         try:
-            values = tuple(float(word) for word in text.split())
+            values = tuple(plain_float(word) for word in text.split())
         except ValueError:
             values = ()
         if len(values) != len(default) or not all(math.isfinite(value) for value in values):

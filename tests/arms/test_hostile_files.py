@@ -19,6 +19,8 @@ SAYS = {
     "empty": "not well-formed XML",
     "external_dtd": "DOCTYPE",
     "floating_base": "'free' is floating",
+    "incomplete_inertia": '<inertia ixy="...">',
+    "inertial_without_inertia": '<inertia ixx="...">',
     "inertial_without_mass": "'arm': <inertial> has no <mass",
     "infinite_inertia": 'ixx="inf"',
     "limits_swapped": "lower limit 1 is not below upper limit -1",
