@@ -1,4 +1,4 @@
-"""The command line, `fotsmc`. Each command stands in its own file and imports what it needs when run."""
+"""The command line, `fotsmc`: a file per command, which imports what it needs when it runs."""
 
 from __future__ import annotations
 
@@ -7,6 +7,10 @@ import sys
 import typer
 
 from fotsmc_pin.cli.animate import animate
+from fotsmc_pin.cli.arms import arms_command
+from fotsmc_pin.cli.inspect import inspect_command
+from fotsmc_pin.cli.perturb import perturb_command
+from fotsmc_pin.cli.report import report
 from fotsmc_pin.cli.reproduce import reproduce
 from fotsmc_pin.cli.simulate import simulate
 from fotsmc_pin.errors import FotsmcError
@@ -18,9 +22,13 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-app.command()(reproduce)
-app.command()(animate)
-app.command()(simulate)
+app.command("reproduce")(reproduce)
+app.command("simulate")(simulate)
+app.command("animate")(animate)
+app.command("report")(report)
+app.command("arms")(arms_command)
+app.command("inspect")(inspect_command)
+app.command("perturb")(perturb_command)
 
 
 def main() -> None:
