@@ -1,7 +1,7 @@
 """Every error that the library raises on purpose.
 
-Each is a `FotsmcError` and also the builtin that a caller would guess (`ValueError`, ...), says what
-to do, and carries the data that it speaks of as attributes.
+Each is a `FotsmcError` and also the builtin that a caller would guess (`ValueError`, ...), says
+what to do, and carries the data that it speaks of as attributes.
 """
 
 from __future__ import annotations

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import json
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from fotsmc_pin.errors import OutputExistsError
-from fotsmc_pin.files import write_text
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
+    from collections.abc import Callable, Iterator
     from pathlib import Path
 
 Force = Annotated[bool, typer.Option("--force", help="Overwrite an earlier result.")]
@@ -43,21 +41,6 @@ def result_file(path: Path, *, force: bool) -> Path:
     if path.exists() and not force:
         raise OutputExistsError(f"{path}: is there already; name another file or add --force")
     return path
-
-
-def write_json(path: Path, data: Mapping[str, Any]) -> None:
-    """Write plain data as indented JSON; infinity is written as the word "inf"."""
-    write_text(path, json.dumps(_finite(data), indent=2, ensure_ascii=False) + "\n")
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _finite(item) for key, item in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_finite(item) for item in value]
-    if isinstance(value, float) and value in (float("inf"), float("-inf")):
-        return "inf" if value > 0 else "-inf"
-    return value
 
 
 @contextmanager

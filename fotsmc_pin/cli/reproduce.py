@@ -16,6 +16,7 @@ def reproduce(
 ) -> None:
     """Run the paper's two-link case and judge its claims."""
     from rich.console import Console
+    from rich.markup import escape
     from rich.table import Table
 
     from fotsmc_pin.paper.reproduce import reproduce as run_the_paper
@@ -28,9 +29,8 @@ def reproduce(
     for column in ("where", "claim", "printed", "measured", "holds"):
         table.add_column(column)
     for verdict in verdicts:
-        table.add_row(
-            verdict.where, verdict.claim, verdict.printed, verdict.measured, verdict.word
-        )
+        cells = (verdict.where, verdict.claim, verdict.printed, verdict.measured, verdict.word)
+        table.add_row(*map(escape, cells))
     console = Console()
     console.print(table)
     console.print(f"Open {folder / 'two_link.html'} in a browser; read {folder / 'claims.md'}.")

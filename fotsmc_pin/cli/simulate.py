@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fotsmc_pin.cli.output import Force, progress_bar, result_folder, write_json
+from fotsmc_pin.cli.output import Force, progress_bar, result_folder
 from fotsmc_pin.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -43,6 +43,7 @@ def simulate(
     from fotsmc_pin.analysis import summarize
     from fotsmc_pin.checks import choice
     from fotsmc_pin.control import CONTROLLERS
+    from fotsmc_pin.files import write_json
     from fotsmc_pin.references import Sinusoid
     from fotsmc_pin.view import export_html
 
@@ -92,6 +93,7 @@ def _gains(pairs: list[str]) -> dict[str, float | str | bool]:
 
 
 def _table(title: str, summary: Summary) -> object:
+    from rich.markup import escape
     from rich.table import Table
 
     table = Table(title=title, title_justify="left")
@@ -105,5 +107,5 @@ def _table(title: str, summary: Summary) -> object:
         ("torque variation, last half [N·m/s]", f"{summary.tail_torque_variation:.4g}"),
         ("ticks at a limit [%]", f"{100 * summary.saturation_fraction:.3g}"),
     ):
-        table.add_row(name, value)
+        table.add_row(escape(name), value)
     return table

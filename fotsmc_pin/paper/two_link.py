@@ -35,7 +35,7 @@ ELBOW_MASS = ("printed", "literature")
 def reference(t: float) -> tuple[Array, Array, Array]:
     """Reference [39] at time `t`: `q_d`, `v_d`, `a_d`, each (2,).
 
-        q_d1 = 1.25 - (7/5) e^{-t} + (7/20) e^{-4t},   q_d2 = 1.25 + e^{-t} - (1/4) e^{-4t}
+    q_d1 = 1.25 - (7/5) e^{-t} + (7/20) e^{-4t},   q_d2 = 1.25 + e^{-t} - (1/4) e^{-4t}
     """
     slow, fast = math.exp(-t), math.exp(-4.0 * t)
     q_d = np.array([1.25 - 1.4 * slow + 0.35 * fast, 1.25 + slow - 0.25 * fast])
@@ -47,7 +47,7 @@ def reference(t: float) -> tuple[Array, Array, Array]:
 def disturbance(t: float) -> Array:
     """Disturbance [38] at time `t` [N·m].
 
-        τ_d1 = 2 sin t + 0.5 sin 200πt,   τ_d2 = cos 2t + 0.5 sin 200πt
+    τ_d1 = 2 sin t + 0.5 sin 200πt,   τ_d2 = cos 2t + 0.5 sin 200πt
     """
     hum = 0.5 * math.sin(200.0 * math.pi * t)
     return np.array([2.0 * math.sin(t) + hum, math.cos(2.0 * t) + hum])

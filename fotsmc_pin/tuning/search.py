@@ -10,7 +10,7 @@ from fotsmc_pin.errors import MissingDependencyError
 from fotsmc_pin.tuning.space import search_space
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Collection, Mapping
 
     from fotsmc_pin.control import Controller
 
@@ -37,6 +37,7 @@ def search_gains(
     cost: Callable[[dict[str, Any]], float],
     *,
     start: Mapping[str, Any] | None = None,
+    hold: Collection[str] = (),
     trials: int = 200,
     seed: int = 0,
 ) -> Tuned:
@@ -49,7 +50,8 @@ def search_gains(
     Args:
         law: the control law.
         cost: what is to be small; a large number where a run fails or breaks a constraint.
-        start: gains that differ from the defaults; options among them stay fixed.
+        start: gains that differ from the defaults; options among them stay as they are.
+        hold: gains that stay at their start.
         trials: how many sets of gains are tried, the start included.
         seed: of the search.
 
@@ -64,7 +66,7 @@ def search_gains(
         ) from error
     trials = checks.count("trials", trials)
     fixed = dict(start or {})
-    space = search_space(law, fixed)
+    space = {name: span for name, span in search_space(law, fixed).items() if name not in hold}
     defaults = {name: field.default for name, field in law.Gains.__dataclass_fields__.items()}
 
     def objective(trial: Any) -> float:

@@ -1,8 +1,8 @@
 """What a search of gains may draw: one rule for every law, from the fields of its `Gains`.
 
 A number that is bounded on both sides is drawn evenly over its bounds; any other evenly in its
-logarithm, over a decade around its start. What its field exempts (`tuned=False`), options, flags and
-numbers that start at 0 stay as they are.
+logarithm, over a decade around its start. What its field exempts (`tuned=False`), options, flags
+and numbers that start at 0 stay as they are.
 """
 
 from __future__ import annotations

@@ -1,0 +1,65 @@
+"""The main job: the two-link case from two URDFs to figures, metrics, claims and a page."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from fotsmc_pin.analysis import reaching_time_bound
+from fotsmc_pin.files import write_json, write_text
+from fotsmc_pin.paper import two_link
+from fotsmc_pin.paper.claims import Verdict, as_markdown, judge
+from fotsmc_pin.paper.experiments import ALPHAS, EXPERIMENTS, measure, run_all
+from fotsmc_pin.paper.figures import draw_figures
+from fotsmc_pin.view import export_html
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+    from pathlib import Path
+
+    from fotsmc_pin.simulation import Recording
+
+RUNS_SHARE = 0.8
+
+
+def reproduce(folder: Path, report: Callable[[float], None]) -> list[Verdict]:
+    """Run the case and write `run.npz`, figures, `metrics.json`, `claims.md` and `two_link.html`.
+
+    Args:
+        folder: where the files go; it must exist.
+        report: told the fraction done.
+
+    Returns:
+        The verdicts on the paper's claims.
+    """
+    recordings = run_all(lambda fraction: report(RUNS_SHARE * fraction))
+    metrics = metrics_of(recordings)
+    verdicts = judge(metrics)
+    recordings["paper"].save(folder / "run.npz")
+    write_json(folder / "metrics.json", metrics)
+    write_text(folder / "claims.md", as_markdown(verdicts))
+    draw_figures(recordings, folder)
+    report(0.95)
+    export_html(recordings["paper"], folder / "two_link.html")
+    report(1.0)
+    return verdicts
+
+
+def metrics_of(recordings: Mapping[str, Recording]) -> dict[str, Any]:
+    """Return everything that the verdicts follow from, as plain data."""
+    gains = two_link.controller().gains
+    runs = {name: measure(rec) for name, rec in recordings.items()}
+    return {
+        "case": {
+            "dt": two_link.DT,
+            "duration": two_link.DURATION,
+            "substeps": two_link.SUBSTEPS,
+            "versions": recordings["paper"].metadata["versions"],
+        },
+        "gains": gains.as_dict(),
+        "alphas": list(ALPHAS),
+        "experiments": {name: experiment.title for name, experiment in EXPERIMENTS.items()},
+        "reaching_time_bound": reaching_time_bound(
+            recordings["paper"].signals["s"][0], theta=float(gains.theta[0]), mu=gains.mu
+        ),
+        "runs": runs,
+    }

@@ -1,0 +1,87 @@
+"""The command line: what it writes, what it refuses, and how it says so."""
+
+import json
+import subprocess
+import sys
+import time
+
+import pytest
+
+
+def fotsmc(*arguments, cwd):
+    """Run the command line as its users do, in a process of its own."""
+    return subprocess.run(
+        [sys.executable, "-m", "fotsmc_pin", *map(str, arguments)],
+        cwd=cwd,
+        capture_output=True,
+        text=True,
+        timeout=240,
+        check=False,
+    )
+
+
+def test_help_comes_at_once(tmp_path):
+    fotsmc("--help", cwd=tmp_path)
+    started = time.perf_counter()
+    result = fotsmc("--help", cwd=tmp_path)
+    assert result.returncode == 0
+    assert time.perf_counter() - started < 1.0
+    for command in ("reproduce", "simulate", "animate", "arms", "inspect", "perturb"):
+        assert command in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("simulate", "no_such_arm"), "no_such_arm"),
+        (("simulate", "two_link", "--controller", "Nonsense"), "--controller"),
+        (("simulate", "two_link", "--gain", "thetta=3"), "did you mean theta"),
+        (("simulate", "two_link", "--gain", "theta=-3"), "theta"),
+        (("simulate", "two_link", "--gain", "theta"), "name=value"),
+        (("simulate", "two_link", "--dt", "0"), "dt"),
+        (("simulate", "two_link", "--duration", "nan"), "duration"),
+        (("simulate", "two_link", "--mass-scale", "-1"), "mass_scale"),
+        (("animate", "nothing.npz"), "nothing.npz"),
+        (("frobnicate",), "frobnicate"),
+    ],
+)
+def test_a_mistake_ends_in_one_clear_line_and_exit_code_2(tmp_path, arguments, words):
+    result = fotsmc(*arguments, cwd=tmp_path)
+    assert result.returncode == 2
+    assert words in result.stderr
+    assert "Traceback" not in result.stderr
+    assert not any(tmp_path.rglob("*.npz"))
+
+
+def test_simulate_writes_a_whole_result_and_never_over_another(tmp_path):
+    arguments = ("simulate", "two_link", "--duration", "0.5", "--out", "run")
+    result = fotsmc(*arguments, cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    metrics = json.loads((tmp_path / "run/metrics.json").read_text())
+    assert metrics["duration"] == pytest.approx(0.5)
+    for name in ("run.npz", "run.png", "two_link.html"):
+        assert (tmp_path / "run" / name).stat().st_size > 1000
+
+    again = fotsmc(*arguments, cwd=tmp_path)
+    assert again.returncode == 2
+    assert "--force" in again.stderr
+    assert fotsmc(*arguments, "--force", cwd=tmp_path).returncode == 0
+
+    page = fotsmc("animate", "run/run.npz", "-o", "page.html", cwd=tmp_path)
+    assert page.returncode == 0, page.stderr
+    assert (tmp_path / "page.html").stat().st_size > 1000
+
+
+def test_a_file_that_is_no_recording_is_refused(tmp_path):
+    (tmp_path / "run.npz").write_bytes(b"not a zip file")
+    result = fotsmc("animate", "run.npz", cwd=tmp_path)
+    assert result.returncode == 2
+    assert "not a recording" in result.stderr
+
+
+def test_the_panda_with_heavier_links_is_tracked_within_5_mrad(tmp_path):
+    result = fotsmc("simulate", "panda", "--mass-scale", "1.1", "--out", "panda", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    metrics = json.loads((tmp_path / "panda/metrics.json").read_text())
+    assert metrics["tail_rms_error"] < 5e-3
+    assert metrics["saturation_fraction"] == 0.0
