@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pinocchio as pin
 
-from fotsmc_pin.arms.inertia import check_moving_bodies
 from fotsmc_pin.arms.markup import parse_urdf
 from fotsmc_pin.arms.model import build_model
 from fotsmc_pin.arms.properties import read_properties
@@ -64,8 +63,7 @@ class Arm:
 
     def __post_init__(self) -> None:
         """Build the model now, so that a bad URDF fails here."""
-        check_moving_bodies(self.tree)
-        if self.tool_frame not in self.tree.links:
+        if not self.model.existFrame(self.tool_frame, pin.FrameType.BODY):
             known = ", ".join(self.tree.links)
             raise ArgumentError("tool_frame", self.tool_frame, f"choose one of {known}")
 

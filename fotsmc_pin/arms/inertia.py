@@ -113,8 +113,8 @@ def words(vector: Vector) -> str:
     return " ".join(repr(float(value)) for value in vector)
 
 
-def check_moving_bodies(tree: UrdfTree) -> None:
-    """Demand mass on every joint.
+def moving_mass(tree: UrdfTree) -> float:
+    """Return the mass that the joints move [kg], which every one of them must have.
 
     Raises:
         UrdfError: a moving joint carries a body (a link and what is fixed to it) without mass,
@@ -122,15 +122,16 @@ def check_moving_bodies(tree: UrdfTree) -> None:
     """
     if not tree.moving_joints:
         raise tree.fail("no joint moves; keep at least one free")
-    for link in tree.links:
-        read_inertia(tree, link)
+    inertias = {link: read_inertia(tree, link) for link in tree.links}
+    total = 0.0
     for joint in tree.moving_joints:
-        bodies = [read_inertia(tree, link) for link in tree.rigid_body(joint.child)]
-        if sum(body.mass for body in bodies if body is not None) > 0.0:
-            continue
-        given = any(body is not None for body in bodies)
-        problem = "has zero mass" if given else "has no <inertial>"
-        raise tree.fail(
-            f"link {joint.child!r}, moved by joint {joint.name!r}, {problem}; "
-            "give it a positive mass and an inertia, or lock the joint"
-        )
+        bodies = [inertias[link] for link in tree.rigid_body(joint.child)]
+        mass = sum(body.mass for body in bodies if body is not None)
+        if mass == 0.0:
+            problem = "has no <inertial>" if all(body is None for body in bodies) else "has no mass"
+            raise tree.fail(
+                f"link {joint.child!r}, moved by joint {joint.name!r}, {problem}; "
+                "give it a positive mass and an inertia, or lock the joint"
+            )
+        total += mass
+    return total

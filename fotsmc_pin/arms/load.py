@@ -2,45 +2,29 @@
 
 from __future__ import annotations
 
-import xml.etree.ElementTree as ET
-from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fotsmc_pin.arms.arm import Arm
 from fotsmc_pin.arms.catalog import find_source, shared_folders
-from fotsmc_pin.arms.inertia import check_moving_bodies
+from fotsmc_pin.arms.inertia import moving_mass
 from fotsmc_pin.arms.locking import apply_locks, choose_locks
 from fotsmc_pin.arms.markup import parse_urdf, urdf_text
 from fotsmc_pin.arms.model import build_model
 from fotsmc_pin.arms.overrides import apply_overrides
 from fotsmc_pin.arms.properties import complete_limits, read_properties
+from fotsmc_pin.arms.tool_frame import default_tool_frame, note_tool_frame, noted_tool_frame
 from fotsmc_pin.arms.tree import UrdfTree
 from fotsmc_pin.arms.visuals import anchor_meshes, package_folders
 from fotsmc_pin.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Mapping
+    from collections.abc import Iterable, Mapping
     from os import PathLike
 
-    from fotsmc_pin.arms.locking import Patterns
+    from fotsmc_pin.arms.inertia import moving_mass
+from fotsmc_pin.arms.locking import Patterns
 from fotsmc_pin.arms.overrides import PerJoint
-
-NOTE = "fotsmc_pin"
-
-# Names and patterns that makers give to the frame at the tool, best first.
-TOOL_FRAMES = (
-    "tool0",
-    "tcp",
-    "*_tcp",
-    "gripper_frame_link",
-    "tool",
-    "*tool_link",
-    "*end_effector*",
-    "ee_link",
-    "link_eef",
-    "*_hand",
-)
 
 
 def load_arm(
@@ -100,25 +84,14 @@ def load_arm(
     path = found.path.resolve()
     origin = name or found.name or path.name
     tree = UrdfTree(parse_urdf(path.read_bytes(), origin, keep_head=True), origin)
-    notes: list[str] = []
 
     locks = choose_locks(tree, lock, keep)
     apply_locks(locks, tree)
-    for fixed in locks:
-        unit = "m" if fixed.joint.type == "prismatic" else "rad"
-        notes.append(f"locked {fixed.joint.name} at {fixed.position:g} {unit} ({fixed.reason})")
     tree = UrdfTree(tree.robot, origin)
-    check_moving_bodies(tree)
-    for joint in tree.moving_joints:
-        read_properties(tree, joint)
-        if complete_limits(joint):
-            notes.append(f"{joint.name} gives no effort or velocity limit")
-        for mimic in joint.element.findall("mimic"):
-            joint.element.remove(mimic)
-            notes.append(f"{joint.name} mimics {mimic.get('joint')} in the file, is free here")
+    moving_mass(tree)
+    notes = [*(str(fixed) for fixed in locks), *_complete(tree)]
     anchor_meshes(tree.robot, path.parent)
 
-    joint_names = tuple(build_model(tree).names)[1:]
     overrides = {
         "armature": armature,
         "friction": friction,
@@ -128,12 +101,10 @@ def load_arm(
         "lower_position_limit": lower_position_limit,
         "upper_position_limit": upper_position_limit,
     }
-    apply_overrides(tree, joint_names, overrides)
-    notes += [
-        f"{what} given in place of the file's"
-        for what, given in overrides.items()
-        if given is not None
-    ]
+    given = {what: value for what, value in overrides.items() if value is not None}
+    if given:
+        apply_overrides(tree, tuple(build_model(tree).names)[1:], given)
+        notes += [f"{what} given in place of the file's" for what in given]
 
     folders = [
         *(str(Path(folder).resolve()) for folder in package_dirs),
@@ -141,8 +112,8 @@ def load_arm(
         *package_folders(tree.robot, (path.parent, *path.parent.parents, *shared_folders())),
     ]
     hand = {fixed.joint.name for fixed in locks if fixed.is_of_hand}
-    tool_frame = tool_frame or _noted_tool_frame(tree) or default_tool_frame(tree, hand)
-    _note_tool_frame(tree, tool_frame)
+    tool_frame = tool_frame or noted_tool_frame(tree) or default_tool_frame(tree, hand)
+    note_tool_frame(tree, tool_frame)
     return Arm(
         urdf=urdf_text(tree.robot),
         name=name or found.name or tree.robot.get("name") or path.stem,
@@ -152,38 +123,14 @@ def load_arm(
     )
 
 
-def _noted_tool_frame(tree: UrdfTree) -> str | None:
-    """Return the tool frame that a file written by `Arm.write_urdf` names."""
-    note = tree.robot.find(NOTE)
-    frame = None if note is None else note.get("tool_frame")
-    return frame if frame in tree.links else None
-
-
-def _note_tool_frame(tree: UrdfTree, tool_frame: str) -> None:
-    """Write the tool frame into the URDF, which has no tag of its own for it."""
-    note = tree.robot.find(NOTE)
-    if note is None:
-        note = ET.SubElement(tree.robot, NOTE)
-    note.set("tool_frame", tool_frame)
-
-
-def default_tool_frame(tree: UrdfTree, hand_joints: Collection[str] = ()) -> str:
-    """Return a link with a usual tool name, else the last link of the longest chain.
-
-    Chains are as long as they have moving joints, then as they have joints; the first one in the
-    file wins a tie. Links beyond `hand_joints`, which are fingers, do not count.
-    """
-
-    def length(link: str) -> tuple[int, int]:
-        chain = tree.chain(link)
-        return sum(joint.moves for joint in chain), len(chain)
-
-    palm = [
-        link
-        for link in tree.links
-        if not any(joint.name in hand_joints for joint in tree.chain(link))
-    ]
-    longest = max(palm, key=length)
-    ends = [link for link in palm if length(link)[0] == length(longest)[0]]
-    usual = (link for pattern in TOOL_FRAMES for link in ends if fnmatchcase(link, pattern))
-    return next(usual, longest)
+def _complete(tree: UrdfTree) -> list[str]:
+    """Fill in what parsers demand of moving joints, free mimic joints, and say so."""
+    notes = []
+    for joint in tree.moving_joints:
+        read_properties(tree, joint)
+        if complete_limits(joint):
+            notes.append(f"{joint.name} gives no effort or velocity limit")
+        for mimic in joint.element.findall("mimic"):
+            joint.element.remove(mimic)
+            notes.append(f"{joint.name} mimics {mimic.get('joint')} in the file, is free here")
+    return notes

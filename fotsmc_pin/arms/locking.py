@@ -31,6 +31,11 @@ class Lock:
     position: float
     reason: str
 
+    def __str__(self) -> str:
+        """What was done, in plain words."""
+        unit = "m" if self.joint.type == "prismatic" else "rad"
+        return f"locked {self.joint.name} at {self.position:g} {unit} ({self.reason})"
+
     @property
     def is_of_hand(self) -> bool:
         """Whether the joint moves a finger and not the arm."""

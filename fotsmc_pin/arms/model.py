@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pinocchio as pin
 
-from fotsmc_pin.arms.inertia import read_inertia
+from fotsmc_pin.arms.inertia import moving_mass
 from fotsmc_pin.arms.markup import urdf_text
 from fotsmc_pin.arms.properties import read_properties
 
@@ -20,13 +20,20 @@ def build_model(tree: UrdfTree) -> pin.Model:
     """Return Pinocchio's model of a URDF, with armature and limits as `Arm` reads them.
 
     Raises:
-        UrdfError: the parser behind Pinocchio refuses the file, or reads another mass in it.
+        UrdfError: no joint moves, or one moves no mass; the parser behind Pinocchio refuses the
+            file, or reads another mass in it.
     """
+    mass = moving_mass(tree)
     try:
         model = pin.buildModelFromXML(urdf_text(_bare(tree)))
     except (ValueError, RuntimeError) as error:
         raise tree.fail(f"Pinocchio cannot read it: {error}") from None
-    _demand_same_mass(tree, model)
+    found = sum(body.mass for body in list(model.inertias)[1:])
+    if abs(found - mass) > 1e-9 * mass:
+        raise tree.fail(
+            f"Pinocchio finds {found:.6g} kg that move, the <inertial> tags say {mass:.6g}; "
+            "one of them is not as URDF wants it"
+        )
     armature = np.zeros(model.nv)
     effort, velocity = np.full(model.nv, np.inf), np.full(model.nv, np.inf)
     lower, upper = model.lowerPositionLimit.copy(), model.upperPositionLimit.copy()
@@ -56,15 +63,3 @@ def _bare(tree: UrdfTree) -> ET.Element:
         ET.SubElement(robot, "link", name=name).extend(link.findall("inertial"))
     robot.extend(joint.element for joint in tree.joints.values())
     return robot
-
-
-def _demand_same_mass(tree: UrdfTree, model: pin.Model) -> None:
-    moved = {name for joint in tree.moving_joints for name in tree.rigid_body(joint.child)}
-    inertias = (read_inertia(tree, link) for link in moved)
-    expected = sum(inertia.mass for inertia in inertias if inertia is not None)
-    found = sum(body.mass for body in list(model.inertias)[1:])
-    if abs(found - expected) > 1e-9 * expected:
-        raise tree.fail(
-            f"Pinocchio finds {found:.6g} kg that move, the <inertial> tags say {expected:.6g}; "
-            "one of them is not as URDF wants it"
-        )

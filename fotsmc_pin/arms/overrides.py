@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from fotsmc_pin.arms.properties import PROPERTIES, read_properties, write_properties
+from fotsmc_pin.arms.properties import read_properties, write_properties
 from fotsmc_pin.errors import ArgumentError, UrdfError
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ PerJoint: TypeAlias = "ArrayLike | Mapping[str, float]"
 
 
 def apply_overrides(
-    tree: UrdfTree, joint_names: Sequence[str], overrides: Mapping[str, PerJoint | None]
+    tree: UrdfTree, joint_names: Sequence[str], overrides: Mapping[str, PerJoint]
 ) -> None:
     """Write numbers into the tree.
 
@@ -31,16 +31,13 @@ def apply_overrides(
         tree: the arm.
         joint_names: the moving joints in the arm's order, which a vector follows.
         overrides: by property, a scalar for all joints, a vector, or a mapping from joint names
-            or patterns; None leaves the file's.
+            or patterns.
 
     Raises:
         ArgumentError: wrong length, unknown joint, or a number out of its range.
     """
     values: dict[str, dict[str, float]] = {joint: {} for joint in joint_names}
-    for name in PROPERTIES:
-        given = overrides.get(name)
-        if given is None:
-            continue
+    for name, given in overrides.items():
         for joint, value in joint_values(name, given, joint_names).items():
             check_property(name, value)
             values[joint][name] = value

@@ -14,15 +14,6 @@ if TYPE_CHECKING:
 
 # The parser behind Pinocchio refuses "inf"; a bound beyond any machine stands for it.
 UNBOUNDED = 1e300
-PROPERTIES = (
-    "armature",
-    "friction",
-    "damping",
-    "effort_limit",
-    "velocity_limit",
-    "lower_position_limit",
-    "upper_position_limit",
-)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,7 +55,7 @@ def read_properties(tree: UrdfTree, joint: Joint) -> JointProperties:
         lower_position_limit=-math.inf if lower <= -UNBOUNDED else lower,
         upper_position_limit=math.inf if upper >= UNBOUNDED else upper,
     )
-    for name in PROPERTIES[:5]:
+    for name in ("armature", "friction", "damping", "effort_limit", "velocity_limit"):
         value = getattr(found, name)
         if value < 0.0:
             raise tree.fail(f"{where}: {name.replace('_', ' ')} {value:g} is negative")

@@ -57,7 +57,7 @@ SAYS = {
     "wordy_origin": 'xyz="left 0 0"',
     "xacro": "expand the xacro",
     "zero_axis": "axis is zero",
-    "zero_mass": "'arm', moved by joint 'j', has zero mass",
+    "zero_mass": "'arm', moved by joint 'j', has no mass",
 }
 
 
