@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import html
 from collections.abc import Mapping, Sequence
+from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 from fotsmc_pin.checks import choice, finite_number
 from fotsmc_pin.errors import ArgumentError
@@ -16,17 +17,17 @@ from fotsmc_pin.view.pack import Pack
 from fotsmc_pin.view.page import facts_list, page
 from fotsmc_pin.view.palette import RUN_COLORS
 
-if TYPE_CHECKING:
-    import os
-
-Recordings: TypeAlias = Recording | Sequence[Recording] | Mapping[str, Recording]
+Recordings: TypeAlias = (
+    Recording | str | PathLike[str] | Sequence[Recording] | Mapping[str, Recording]
+)
+"""A recording, the path of a saved one, several, or several by name."""
 
 GHOST_COLOR = "#35a3e0"
 
 
 def export_html(
     rec: Recordings,
-    path: str | os.PathLike[str],
+    path: str | PathLike[str],
     *,
     title: str | None = None,
     ghost: bool = True,
@@ -49,7 +50,8 @@ def export_html(
     same file.
 
     Args:
-        rec: a recording, a list of them, or a dict from names to recordings.
+        rec: a recording or the path of a saved one; a list of recordings, or a dict from names to
+            recordings.
         path: file to write, whole or not at all; missing folders are made.
         title: heading of the page; None names the arm.
         ghost: whether the reference shows at the start.
@@ -71,6 +73,7 @@ def export_html(
 
     Raises:
         ArgumentError: nothing to show, an unknown option or signal, or a run without samples.
+        RecordingError: a path that holds no recording.
         MissingDependencyError: meshcat is not installed.
         OSError: the file cannot be written.
     """
@@ -113,25 +116,27 @@ def named_recordings(rec: Recordings) -> dict[str, Recording]:
 
     Raises:
         ArgumentError: there is no run, or one without samples.
+        RecordingError: a path that holds no recording.
     """
-    if isinstance(rec, Mapping):
-        recordings = {str(name): recording for name, recording in rec.items()}
-    else:
-        several = list(rec) if isinstance(rec, Sequence) else [rec]
-        recordings = {}
-        for recording in several:
-            name = base = run_name(recording)
-            number = 2
-            while name in recordings:
-                name, number = f"{base} ({number})", number + 1
-            recordings[name] = recording
-    if not recordings:
+    if isinstance(rec, (str, PathLike)):
+        rec = Recording.load(rec)
+    several: Any = [rec] if isinstance(rec, Recording) else rec
+    if not isinstance(several, (Mapping, Sequence)) or not several:
         raise ArgumentError("rec", rec, "give at least one recording")
-    for name, recording in recordings.items():
+    for recording in several.values() if isinstance(several, Mapping) else several:
         if not isinstance(recording, Recording):
             raise ArgumentError("rec", recording, "give a Recording, a list or a dict of them")
         if len(recording.t) < 1:
-            raise ArgumentError("rec", name, "this recording has no samples")
+            raise ArgumentError("rec", recording.arm, "this recording has no samples")
+    if isinstance(several, Mapping):
+        return {str(name): recording for name, recording in several.items()}
+    recordings: dict[str, Recording] = {}
+    for recording in several:
+        name = base = run_name(recording)
+        number = 2
+        while name in recordings:
+            name, number = f"{base} ({number})", number + 1
+        recordings[name] = recording
     return recordings
 
 

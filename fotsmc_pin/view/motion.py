@@ -64,5 +64,6 @@ def motion(arm: Arm, q: Floats) -> Motion:
 def _continuous(quaternions: Floats) -> Floats:
     """Choose of the two quaternions of each rotation the one next to the one before it."""
     turns = np.sum(quaternions[1:] * quaternions[:-1], axis=-1) < 0
-    signs = np.concatenate([np.ones_like(turns[:1], dtype=float), np.where(turns, -1.0, 1.0)])
+    first = np.ones((1, quaternions.shape[1]))
+    signs = np.concatenate([first, np.where(turns, -1.0, 1.0)])
     return quaternions * np.cumprod(signs, axis=0)[..., None]

@@ -2,30 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from fotsmc_pin.checks import choice
 from fotsmc_pin.errors import ArgumentError
-from fotsmc_pin.simulation import Recording
 from fotsmc_pin.view import figures
 from fotsmc_pin.view.export import named_recordings
 from fotsmc_pin.view.style import save_figure
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
+    from pathlib import Path
 
     from matplotlib.figure import Figure
 
+    from fotsmc_pin.simulation import Recording
     from fotsmc_pin.view.export import Recordings
 
 KINDS = ("overview", "tracking", "velocity", "torque", "signal", "comparison")
 
 
 def plot(
-    rec: Recordings | str | os.PathLike[str],
+    rec: Recordings,
     path: str | os.PathLike[str],
     *,
     kind: Literal["auto", "overview", "tracking", "velocity", "torque", "signal", "comparison"] = (
@@ -55,8 +54,6 @@ def plot(
         RecordingError: a path that holds no recording.
         OSError: the file cannot be written.
     """
-    if not isinstance(rec, (Recording, Mapping, list, tuple)):
-        rec = Recording.load(Path(rec))  # type: ignore[arg-type]
     recordings = named_recordings(rec)
     if kind == "auto":
         kind = "comparison" if len(recordings) > 1 else "overview"
