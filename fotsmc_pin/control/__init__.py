@@ -9,11 +9,13 @@ from fotsmc_pin.control.fractional_switching_smc import FractionalSwitchingSMC
 from fotsmc_pin.control.linear_smc import LinearSMC
 from fotsmc_pin.control.nonsingular_tsm import NonsingularTSM
 from fotsmc_pin.control.paper_condition import PaperConditionWarning
+from fotsmc_pin.control.robust_fonftsm import RobustFONFTSM
 from fotsmc_pin.control.super_twisting_smc import SuperTwistingSMC
 from fotsmc_pin.control.tde_fontsm import TDEFONTSM
 from fotsmc_pin.control.terminal_smc import TerminalSMC
 
 _LAWS: tuple[type[Controller], ...] = (
+    RobustFONFTSM,
     AdaptiveFONFTSM,
     FONFTSM,
     ContinuousTSM,
