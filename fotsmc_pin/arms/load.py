@@ -22,9 +22,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
     from os import PathLike
 
-    from fotsmc_pin.arms.inertia import moving_mass
-from fotsmc_pin.arms.locking import Patterns
-from fotsmc_pin.arms.overrides import PerJoint
+    from fotsmc_pin.arms.locking import Patterns
+    from fotsmc_pin.arms.overrides import PerJoint
 
 
 def load_arm(
