@@ -130,6 +130,8 @@ class Stream:
         memory = np.array(arrays["memory"], dtype=np.float64)
         if memory.shape != self.memory.shape:
             raise ArgumentError("memory", memory.shape, f"give shape {self.memory.shape}")
+        if not np.isfinite(memory).all():
+            raise ArgumentError("memory", memory, "every entry must be finite")
         if coefficients.shape != self.coefficients.shape or not np.allclose(
             coefficients, self.coefficients, rtol=1e-9, atol=1e-300
         ):
