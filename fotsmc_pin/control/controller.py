@@ -165,6 +165,11 @@ class Controller(ABC):
         """Copies of the last tick's inner signals by name, such as "s"."""
         return {name: signal.copy() for name, signal in self._signals.items()}
 
+    @property
+    def live_signals(self) -> dict[str, Array]:
+        """The signals themselves, which every tick writes anew: for reading, by a recorder."""
+        return self._signals
+
     def reset(self) -> None:
         """Forget everything: the controller is as it was when it was made."""
         for stream in self._streams:

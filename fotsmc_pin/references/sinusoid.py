@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fotsmc_pin.checks import finite_number, finite_vector
+from fotsmc_pin.compiled import kernel
 from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.references.limits import broken_limits
 
@@ -42,6 +44,8 @@ class Sinusoid:
     amplitude: Vector
     period: Vector
     ramp: float = 2.0
+    _plain: bool = field(init=False, repr=False)
+    _swings: Vector = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         """Check the numbers."""
@@ -52,17 +56,18 @@ class Sinusoid:
         for value in period:
             finite_number("period", value, above=0.0)
         object.__setattr__(self, "period", period)
-        finite_number("ramp", self.ramp, at_least=0.0)
+        object.__setattr__(self, "ramp", finite_number("ramp", self.ramp, at_least=0.0))
+        object.__setattr__(self, "_plain", self.arm.is_euclidean)
+        object.__setattr__(self, "_swings", np.array([self.amplitude, 2.0 * np.pi / period]))
 
     def __call__(self, t: float) -> tuple[Vector, Vector, Vector]:
         """Return `q_d` (nq,), `v_d` (nv,) and `a_d` (nv,) at time `t` [s], all fresh arrays."""
-        omega = 2.0 * np.pi / self.period
-        sine, cosine = np.sin(omega * t), np.cos(omega * t)
-        f, fd, fdd = _fade_in(t, self.ramp)
-        x = self.amplitude * f * sine
-        v = self.amplitude * (fd * sine + f * omega * cosine)
-        a = self.amplitude * (fdd * sine + 2.0 * fd * omega * cosine - f * omega**2 * sine)
-        return self.arm.integrate(self.center, x), v, a
+        motion = np.empty((3, self.amplitude.size))
+        if self._plain:
+            swing(t, self.ramp, self._swings, self.center, motion)
+            return motion[0], motion[1], motion[2]
+        swing(t, self.ramp, self._swings, np.zeros(self.arm.nv), motion)
+        return self.arm.integrate(self.center, motion[0]), motion[1], motion[2]
 
     @classmethod
     def inside_limits(
@@ -153,7 +158,20 @@ def _easy_center(arm: Arm, amplitude: float, fraction: float) -> Vector:
     return min((first, *others), key=load)
 
 
-def _fade_in(t: float, ramp: float) -> tuple[float, float, float]:
+@kernel
+def swing(t: float, ramp: float, swings: Vector, center: Vector, motion: Vector) -> None:
+    """Write position, velocity and acceleration; the rows of `swings` are amplitude and `ω`."""
+    f, fd, fdd = fade_in(t, ramp)
+    for j in range(center.size):
+        amplitude, omega = swings[0, j], swings[1, j]
+        sine, cosine = math.sin(omega * t), math.cos(omega * t)
+        motion[0, j] = center[j] + amplitude * f * sine
+        motion[1, j] = amplitude * (fd * sine + f * omega * cosine)
+        motion[2, j] = amplitude * (fdd * sine + 2.0 * fd * omega * cosine - f * omega**2 * sine)
+
+
+@kernel
+def fade_in(t: float, ramp: float) -> tuple[float, float, float]:
     """Return the fade-in and its first two derivatives."""
     if t >= ramp:
         return 1.0, 0.0, 0.0

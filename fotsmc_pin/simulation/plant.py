@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from fotsmc_pin import checks
-from fotsmc_pin.compiled import kernel
+from fotsmc_pin.compiled import kernel, settled
 from fotsmc_pin.simulation.dry_friction import rub
 
 if TYPE_CHECKING:
@@ -46,6 +46,7 @@ class Plant:
     Attributes:
         q: configuration (nq,), the plant's own memory.
         v: velocity (nv,), the plant's own memory.
+        tau: torque at the joints within the arm's effort limits (nv,), the plant's own memory.
     """
 
     def __init__(
@@ -82,10 +83,11 @@ class Plant:
         self._disturbance = disturbance
         self._euclidean = arm.is_euclidean
         self._work = work = np.zeros((12, arm.nv))
-        self.q, self.v = np.array(q0), work[V0]
+        self._positions = positions = np.array([q0, q0])
+        self.q, self._q_stage = positions
+        self.v, self.tau = work[V0], work[TAU]
         self.v[:] = v0
-        self._q_stage, self._v_stage = self.q.copy(), work[V_STAGE]
-        self._load, self._step = work[LOAD], work[STEP]
+        self._v_stage, self._load, self._step = work[V_STAGE], work[LOAD], work[STEP]
         self._impulse = np.zeros(arm.nv)
         self._rubs = not rk4 and bool(np.any(arm.friction) or np.any(arm.damping))
         if rk4:
@@ -93,59 +95,66 @@ class Plant:
         h = dt / self._substeps
         work[WIDTH] = np.maximum(FRICTION_WIDTH, arm.friction * h / self._lightest(self.q))
         work[LIMIT] = arm.effort_limit
+        self._begin = settled(begin, work)
+        self._arguments = (self._acceleration, work, positions, self._euclidean)
+        self._rk4_stage = settled(rk4_stage, 0, h, *self._arguments)
+        self._rk4_finish = settled(rk4_finish, h, *self._arguments)
+        self._accelerate = settled(accelerate, h, self._acceleration, work)
+        self._coast = settled(coast, h, work, positions, self._euclidean)
 
-    def hold(self, t: float, tau: Array, dt: float) -> tuple[Array, int]:
-        """Hold `tau` (nv,) from `t` for `dt` seconds.
+    def load(self, t: float, tau: Array) -> None:
+        """Put `tau` (nv,), as far as the effort limits let it, on the joints at time `t`."""
+        self.tau[:] = tau
+        if self._disturbance is not None:
+            self._work[DISTURBANCE] = self._disturbance(t)
+        self._begin(self._work)
+
+    def hold(self, t: float, dt: float) -> int:
+        """Hold the torque that is on the joints from `t` for `dt` seconds.
 
         Returns:
-            The torque at the joints, within the arm's effort limits, and the index of the joint
-            that diverged, or -1.
+            The index of the joint that diverged, or -1.
         """
-        work = self._work
-        work[TAU] = tau
-        if self._disturbance is not None:
-            work[DISTURBANCE] = self._disturbance(t)
-        begin(work)
-        applied = work[TAU].copy()
+        if self._substeps == 1:
+            return self._advance(t, dt)
         h = dt / self._substeps
+        lost = -1
         for k in range(self._substeps):
-            self._advance(t + k * h, h)
-        return applied, diverged(work)
+            lost = self._advance(t + k * h, h)
+        return lost
 
-    def _rk4(self, t: float, h: float) -> None:
-        disturbance, work = self._disturbance, self._work
-        self._evaluate(self.q, self.v)
+    def _rk4(self, t: float, h: float) -> int:
+        model, data, load, disturbance = self._model, self._data, self._load, self._disturbance
+        pin.aba(model, data, self.q, self.v, load)
         if disturbance is not None:
-            work[DISTURBANCE] = disturbance(t + 0.5 * h)
+            self._work[DISTURBANCE] = disturbance(t + 0.5 * h)
         for stage in range(3):
             if stage == 2 and disturbance is not None:
-                work[DISTURBANCE] = disturbance(t + h)
-            rk4_stage(stage, h, self._acceleration, work)
-            self._q_stage[:] = self._moved()
-            self._evaluate(self._q_stage, self._v_stage)
-        rk4_finish(h, self._acceleration, work)
-        self.q[:] = self._moved()
+                self._work[DISTURBANCE] = disturbance(t + h)
+            self._rk4_stage(stage, h, *self._arguments)
+            if not self._euclidean:
+                self._q_stage[:] = pin.integrate(model, self.q, self._step)
+            pin.aba(model, data, self._q_stage, self._v_stage, load)
+        lost = self._rk4_finish(h, *self._arguments)
+        self._move_continuous_joints()
+        return lost
 
-    def _semi_implicit(self, t: float, h: float) -> None:
-        self._evaluate(self.q, self.v)
+    def _semi_implicit(self, t: float, h: float) -> int:
+        pin.aba(self._model, self._data, self.q, self.v, self._load)
         if self._disturbance is not None:
             self._work[DISTURBANCE] = self._disturbance(t + h)
-        self.v += h * self._acceleration
+        self._accelerate(h, self._acceleration, self._work)
         if self._rubs:
             inverse_mass = pin.computeMinverse(self._model, self._data, self.q)
             rub(h, inverse_mass.T, self._arm.friction, self._arm.damping, self._impulse, self.v)
-        semi_implicit_step(h, self._work)
-        self.q[:] = self._moved()
+        lost = self._coast(h, self._work, self._positions, self._euclidean)
+        self._move_continuous_joints()
+        return lost
 
-    def _evaluate(self, q: Array, v: Array) -> None:
-        pin.aba(self._model, self._data, q, v, self._load)
-
-    def _moved(self) -> Array:
-        """Return the tick's configuration, moved by the workspace's tangent step."""
-        if self._euclidean:
-            return self.q + self._step
-        moved: Array = pin.integrate(self._model, self.q, self._step)
-        return moved
+    def _move_continuous_joints(self) -> None:
+        """Move a configuration that is no plain vector by the tangent step of the workspace."""
+        if not self._euclidean:
+            self.q[:] = pin.integrate(self._model, self.q, self._step)
 
     def _lightest(self, q: Array) -> Array:
         """Inertia (nv,) that each joint shows when all others are free, at `q`."""
@@ -161,9 +170,7 @@ def load(work: Array, v: Array) -> None:
         friction = work[FRICTION, j]
         if friction > 0.0:
             friction *= math.tanh(v[j] / work[WIDTH, j])
-        work[LOAD, j] = (
-            work[TAU, j] + work[DISTURBANCE, j] - work[DAMPING, j] * v[j] - friction
-        )
+        work[LOAD, j] = work[TAU, j] + work[DISTURBANCE, j] - work[DAMPING, j] * v[j] - friction
 
 
 @kernel
@@ -184,7 +191,9 @@ def diverged(work: Array) -> int:
 
 
 @kernel
-def rk4_stage(stage: int, h: float, a: Array, work: Array) -> None:
+def rk4_stage(
+    stage: int, h: float, a: Array, work: Array, positions: Array, euclidean: bool
+) -> None:
     """Take in the acceleration of `stage` 0, 1 or 2; prepare the next stage."""
     reach = h if stage == 2 else 0.5 * h
     weight = 1.0 if stage == 0 else 2.0
@@ -194,21 +203,36 @@ def rk4_stage(stage: int, h: float, a: Array, work: Array) -> None:
         work[SUM_A, j] = weight * a[j] + (0.0 if stage == 0 else work[SUM_A, j])
         work[STEP, j] = reach * v
         work[V_STAGE, j] = work[V0, j] + reach * a[j]
+        if euclidean:
+            positions[1, j] = positions[0, j] + work[STEP, j]
     load(work, work[V_STAGE])
 
 
 @kernel
-def rk4_finish(h: float, a: Array, work: Array) -> None:
-    """Take in the last stage; move the velocity and leave the tangent step of the whole."""
+def rk4_finish(h: float, a: Array, work: Array, positions: Array, euclidean: bool) -> int:
+    """Take in the last stage and move; return the index of a joint that diverged, or -1."""
     for j in range(a.size):
         work[STEP, j] = h / 6.0 * (work[SUM_V, j] + work[V_STAGE, j])
         work[V0, j] += h / 6.0 * (work[SUM_A, j] + a[j])
+        if euclidean:
+            positions[0, j] += work[STEP, j]
     load(work, work[V0])
+    return diverged(work)
 
 
 @kernel
-def semi_implicit_step(h: float, work: Array) -> None:
-    """Leave the tangent step with the new velocity."""
+def accelerate(h: float, a: Array, work: Array) -> None:
+    """Move the velocity over a step of `h` seconds."""
+    for j in range(a.size):
+        work[V0, j] += h * a[j]
+
+
+@kernel
+def coast(h: float, work: Array, positions: Array, euclidean: bool) -> int:
+    """Move with the new velocity; return the index of a joint that diverged, or -1."""
     for j in range(work.shape[1]):
         work[STEP, j] = h * work[V0, j]
+        if euclidean:
+            positions[0, j] += work[STEP, j]
     load(work, work[V0])
+    return diverged(work)

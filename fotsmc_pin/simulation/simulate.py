@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import platform
 import time
-from collections.abc import Callable
+from functools import cache
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -13,13 +13,16 @@ import numpy as np
 from fotsmc_pin import checks
 from fotsmc_pin.errors import ArgumentError, DivergenceError
 from fotsmc_pin.simulation.plant import Plant
-from fotsmc_pin.simulation.recording import Recording
+from fotsmc_pin.simulation.recorder import Recorder
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import ArrayLike, NDArray
 
     from fotsmc_pin.arms import Arm
     from fotsmc_pin.simulation.plant import Disturbance
+    from fotsmc_pin.simulation.recording import Recording
 
     Array = NDArray[np.float64]
     Reference = Callable[[float], tuple[Array, Array, Array]]
@@ -65,7 +68,8 @@ def simulate(
 
     Args:
         arm: the true arm; its effort limits, friction and damping act.
-        controller: anything with `dt`, `update` and `reset`; its `signals` are recorded if it has any.
+        controller: anything with `dt`, `update` and `reset`; its `signals`, if any, are
+            recorded.
         reference: `t -> (q_d, v_d, a_d)`, shapes (nq,), (nv,), (nv,).
         duration: simulated time [s].
         q0: configuration at the start (nq,); the reference's by default.
@@ -104,13 +108,13 @@ def simulate(
             reset()
 
     ticks = round(duration / dt) + 1
-    rows = _Rows(arm, (ticks - 1) // stride + 1, getattr(controller, "signals", {}))
+    recorder = Recorder(arm, dt * np.arange(0.0, ticks, stride), controller)
     started = time.perf_counter()
 
     def recording() -> Recording:
         options = {"duration": duration, "substeps": substeps, "integrator": integrator}
         took = time.perf_counter() - started
-        return rows.recording(_metadata(controller, reference, options, took))
+        return recorder.recording(_metadata(controller, reference, options, took))
 
     with _reporter(progress) as report:
         for k in range(ticks):
@@ -120,17 +124,16 @@ def simulate(
             tau = controller.update(q, v, q_d, v_d, a_d)
             if actuator is not None:
                 tau = actuator(t, tau)
+            plant.load(t, tau)
             if k % stride == 0:
-                rows.add(t, plant, q_d, v_d, controller)
-            applied, lost = plant.hold(t, tau, dt)
-            if k % stride == 0:
-                rows.tau[rows.filled - 1] = applied
+                recorder.add(plant, q_d, v_d)
+            lost = plant.hold(t, dt)
             if lost >= 0:
                 joint = arm.joint_names[lost]
                 raise DivergenceError(
                     f"the simulation diverged at t = {t + dt:.4g} s: joint {joint!r} reached "
-                    f"{plant.v[lost]:.3g} {arm.position_units[lost]}/s; try more substeps, a shorter "
-                    "tick, or lower gains",
+                    f"{plant.v[lost]:.3g} {arm.position_units[lost]}/s; try more substeps, a "
+                    "shorter tick, or lower gains",
                     t + dt,
                     joint,
                     recording(),
@@ -139,43 +142,6 @@ def simulate(
                 report(k / ticks)
         report(1.0)
     return recording()
-
-
-class _Rows:
-    """The recording while it grows."""
-
-    def __init__(self, arm: Arm, size: int, signals: dict[str, Array]) -> None:
-        self.arm, self.filled = arm, 0
-        self.t = np.zeros(size)
-        self.q, self.q_d = np.zeros((size, arm.nq)), np.zeros((size, arm.nq))
-        self.v, self.v_d = np.zeros((size, arm.nv)), np.zeros((size, arm.nv))
-        self.tau = np.zeros((size, arm.nv))
-        self.signals = {name: np.zeros((size, np.size(value))) for name, value in signals.items()}
-
-    def add(self, t: float, plant: Plant, q_d: Array, v_d: Array, controller: Law) -> None:
-        k = self.filled
-        self.t[k], self.q[k], self.v[k], self.q_d[k], self.v_d[k] = t, plant.q, plant.v, q_d, v_d
-        if self.signals:
-            for name, value in controller.signals.items():  # type: ignore[attr-defined]
-                self.signals[name][k] = value
-        self.filled += 1
-
-    def recording(self, metadata: dict[str, Any]) -> Recording:
-        n = self.filled
-        e = np.array([self.arm.difference(*row) for row in zip(self.q_d[:n], self.q[:n], strict=True)])
-        return Recording(
-            t=self.t[:n],
-            q=self.q[:n],
-            v=self.v[:n],
-            q_d=self.q_d[:n],
-            v_d=self.v_d[:n],
-            e=e.reshape(n, self.arm.nv),
-            ed=self.v[:n] - self.v_d[:n],
-            tau=self.tau[:n],
-            signals={name: rows[:n] for name, rows in self.signals.items()},
-            arm=self.arm,
-            metadata=metadata,
-        )
 
 
 def _checked_reference(arm: Arm, reference: Reference) -> tuple[Array, Array, Array]:
@@ -201,7 +167,7 @@ def _checked_disturbance(arm: Arm, disturbance: Disturbance | None) -> Disturban
 def _metadata(
     controller: Law, reference: Reference, options: dict[str, Any], took: float
 ) -> dict[str, Any]:
-    gains = getattr(controller, "gains", None)
+    gains: Any = getattr(controller, "gains", None)
     return {
         "controller": type(controller).__name__,
         "preset": getattr(controller, "preset", None),
@@ -213,9 +179,14 @@ def _metadata(
         "wall_time": took,
         "versions": {
             "python": platform.python_version(),
-            **{name: version(name) for name in ("fotsmc_pin", "pin", "numpy", "numba")},
+            **_versions(),
         },
     }
+
+
+@cache
+def _versions() -> dict[str, str]:
+    return {name: version(name) for name in ("fotsmc_pin", "pin", "numpy", "numba")}
 
 
 class _reporter:  # noqa: N801 - reads as a function
