@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
+import pinocchio as pin
 
 from fotsmc_pin.arms.inertia import words
 from fotsmc_pin.checks import finite_number
 from fotsmc_pin.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Sequence
 
     from fotsmc_pin.arms.tree import Joint, UrdfTree
 
@@ -23,23 +24,26 @@ GRIPPER, MIMIC = "gripper", "mimic joint"
 GRIPPER_PATTERNS = ("*gripper*", "*finger*", "*knuckle*", "*jaw*", "*claw*")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Lock:
-    """A joint to be fixed, where [rad or m], and why."""
+    """A joint to be fixed.
+
+    Attributes:
+        joint: the joint.
+        position: where [rad or m].
+        reason: why, in plain words.
+        is_of_hand: whether it moves a finger and not the arm.
+    """
 
     joint: Joint
     position: float
     reason: str
+    is_of_hand: bool
 
     def __str__(self) -> str:
         """What was done, in plain words."""
         unit = "m" if self.joint.type == "prismatic" else "rad"
         return f"locked {self.joint.name} at {self.position:g} {unit} ({self.reason})"
-
-    @property
-    def is_of_hand(self) -> bool:
-        """Whether the joint moves a finger and not the arm."""
-        return self.reason in (GRIPPER, MIMIC)
 
 
 def choose_locks(
@@ -63,7 +67,8 @@ def choose_locks(
     kept = None if keep is None else _words("keep", keep)
     if kept is not None:
         _demand_matches("keep", kept, joints)
-    by_default = {} if kept is not None else _grippers_and_mimics(tree)
+    of_hand = _grippers_and_mimics(tree)
+    by_default = of_hand if kept is None else {}
     reasons: dict[str, str] = {}
     positions: dict[str, float] = {}
     for joint in joints:
@@ -81,7 +86,13 @@ def choose_locks(
         positions[name] = _rest_position(tree, joint) if given is None else given
     _follow_mimicked(tree, positions, asked)
     return tuple(
-        Lock(tree.joints[name], positions[name], reason) for name, reason in reasons.items()
+        Lock(
+            joint=tree.joints[name],
+            position=positions[name],
+            reason=reason,
+            is_of_hand=name in of_hand,
+        )
+        for name, reason in reasons.items()
     )
 
 
@@ -95,8 +106,18 @@ def apply_locks(locks: Sequence[Lock], tree: UrdfTree) -> None:
         for tag in ("mimic", "limit", "dynamics", "safety_controller", "calibration"):
             for child in element.findall(tag):
                 element.remove(child)
-        for transmission in tree.robot.findall("transmission"):
-            if any(part.get("name") == lock.joint.name for part in transmission.findall("joint")):
+        _disconnect_motor(tree, lock.joint.name)
+
+
+def _disconnect_motor(tree: UrdfTree, name: str) -> None:
+    """Take a joint out of its transmission, which goes when it drives no other."""
+    for transmission in tree.robot.findall("transmission"):
+        driven = transmission.findall("joint")
+        for part in driven:
+            if part.get("name") != name:
+                continue
+            transmission.remove(part)
+            if len(driven) == 1:
                 tree.robot.remove(transmission)
 
 
@@ -145,8 +166,6 @@ def _follow_mimicked(
 
 def _move_origin(tree: UrdfTree, lock: Lock) -> None:
     """Move the joint's frame by its locked position: `T_fixed = T_origin T_joint(q)`."""
-    import pinocchio as pin
-
     element, where = lock.joint.element, f"joint {lock.joint.name!r}"
     origin = element.find("origin")
     xyz = np.array(tree.numbers(origin, "xyz", (0.0, 0.0, 0.0), where))
@@ -167,10 +186,11 @@ def _move_origin(tree: UrdfTree, lock: Lock) -> None:
 
 
 def _words(argument: str, patterns: Patterns) -> tuple[str, ...]:
-    words_given = (patterns,) if isinstance(patterns, str) else tuple(patterns)
-    if not all(isinstance(word, str) for word in words_given):
+    several = (patterns,) if isinstance(patterns, str) else patterns
+    found = tuple(several) if isinstance(several, Iterable) else (several,)
+    if not all(isinstance(word, str) for word in found):
         raise ArgumentError(argument, patterns, "give joint names or patterns as text")
-    return words_given
+    return found
 
 
 def _positions(lock: Patterns | Mapping[str, float] | None) -> dict[str, float | None]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -44,6 +45,8 @@ def arms_command() -> None:
     )
     if example_robots_folder() is None:
         console.print('More arms come with: pip install "fotsmc_pin[robots]"', markup=False)
+    if importlib.util.find_spec("robot_descriptions") is not None:
+        console.print("Names of robot_descriptions do as well; it fetches a robot when first used.")
     console.print("Any URDF file does as well: fotsmc inspect my.urdf")
 
 

@@ -69,6 +69,7 @@ def test_keep_leaves_only_what_it_names():
     left = load_arm("baxter", keep="left_*")
     assert left.nv == 7
     assert all(name.startswith("left_") for name in left.joint_names)
+    assert left.tool_frame == "left_gripper"
     assert load_arm("panda", keep=["panda_joint?", "panda_finger_joint1"]).nv == 8
 
 
@@ -108,6 +109,13 @@ def test_a_joint_locked_without_a_place_goes_to_the_nearest_limit(made):
 def test_an_unknown_joint_is_refused(option):
     with pytest.raises(ArgumentError, match=r"elbow.*panda_joint1"):
         load_arm("panda", **{option: ["elbow*"]})
+
+
+@pytest.mark.parametrize("option", ["lock", "keep"])
+@pytest.mark.parametrize("value", [3, [1, 2]])
+def test_joints_are_named_by_text(option, value):
+    with pytest.raises(ArgumentError, match="as text"):
+        load_arm("panda", **{option: value})
 
 
 def test_locking_everything_leaves_no_arm():
@@ -199,6 +207,18 @@ def test_armature_comes_from_drakes_tags_declared_or_not(made):
     )
     arm = load_arm(made.chain("revolute", "revolute", tail=(transmission,)))
     np.testing.assert_allclose(arm.armature, [1.0, 0.0])
+
+
+def test_locking_a_joint_takes_its_motor_and_no_other(made):
+    tail = (
+        '<transmission name="t"><joint name="joint1"/><joint name="joint2"/><actuator name="m">'
+        '<drake:rotor_inertia value="0.5"/></actuator></transmission>'
+        '<transmission name="u"><joint name="joint3"/></transmission>',
+    )
+    path = made.chain("revolute", "revolute", "revolute", tail=tail)
+    arm = load_arm(path, lock=["joint2", "joint3"])
+    np.testing.assert_array_equal(arm.armature, [0.5])
+    assert arm.urdf.count("<transmission") == 1
 
 
 def test_friction_and_damping_come_from_the_file():
