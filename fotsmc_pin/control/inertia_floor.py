@@ -25,6 +25,8 @@ MEAN_RATE = 1.0
 """Rate at which the lasting part of a disturbance is told apart, such as a weight [1/s]."""
 RISE, LEAK = 3.0, 0.15
 """Rates at which the floor follows upward, and at which it is forgotten [1/s]."""
+DEAD_ZONE = 0.05
+"""Disturbances too small to give the bare joint this acceleration are none [rad/s²]."""
 FAR = 0.02
 """Error at which a joint counts as not arrived: what it meets on its way is not learnt [rad]."""
 
@@ -41,19 +43,27 @@ def largest_floor(arm: Arm) -> Array:
 
 @kernel
 def raise_floor(
-    dt: float, e: Array, d: Array, share: Array, largest: Array, mean: Array, floor: Array
+    dt: float,
+    e: Array,
+    M0: Array,
+    d: Array,
+    share: Array,
+    largest: Array,
+    mean: Array,
+    floor: Array,
 ) -> None:
     """Move the floor `δ` (nv,) [kg·m²] by one tick.
 
-        δ → share |d - d̄|, up at the rate 3/s, down at 0.15/s;    d̄ → d at the rate 1/s
+        δ → share (|d - d̄| - dead zone),   up at the rate 3/s, down at 0.15/s
+        d̄ → d                              at the rate 1/s
 
-    While the error is far above 20 mrad, the joint is on its way and meets what passes (Coriolis
-    terms, torque limits): `d̄` follows at once and `δ` rests. That is the dead zone; the slow way
-    down is the leakage.
+    The slow way down is the leakage. While the error is far above 20 mrad, the joint is on its way
+    and meets what passes, such as torque limits: `d̄` follows at once and `δ` does not rise.
 
     Args:
         dt: time since the last tick [s].
         e: tracking error (nv,).
+        M0: nominal mass matrix (nv, nv).
         d: disturbance torque (nv,).
         share: floor per disturbance torque (nv,) [s²/rad]; 0 keeps the floor at 0.
         largest: bound of the floor (nv,).
@@ -63,6 +73,7 @@ def raise_floor(
     for i in range(e.size):
         far = (e[i] / FAR) ** 2
         mean[i] += dt * (MEAN_RATE + OBSERVER_RATE * far / (1.0 + far)) * (d[i] - mean[i])
-        target = min(share[i] * abs(d[i] - mean[i]), largest[i])
+        met = max(abs(d[i] - mean[i]) - DEAD_ZONE * M0[i, i], 0.0)
+        target = min(share[i] * met, largest[i])
         rate = RISE / (1.0 + far) if target > floor[i] else LEAK
         floor[i] += dt * rate * (target - floor[i])

@@ -85,14 +85,14 @@ class RobustFONFTSM(Controller):
         ż = b x / (1 + x²),  x = S/φ
         a = a_d - I^{α,σ} w
 
-    An observer compares the speed that was commanded, `v̇_a = a`, with the one that came, and asks
+    An observer compares the speed error that was commanded, `ė_a`, with the one that came, and asks
     for the acceleration that is missing; a floor `δ` under the inertia, raised where the momentum
     observer meets friction (`inertia_floor`), lends it weight below `ω_f`:
 
-        u = a + K (v_a - v),   ẏ = ω_f (u - y),   τ = M0 u + δ ∘ y + C0 v + G0
+        u = a + K (ė_a - ė),   ë_a = a - a_d,   ẏ = ω_f (u - y),   τ = M0 u + δ ∘ y + C0 v + G0
 
-    `K (v_a - v)` is a disturbance observer of bandwidth `K` in units of acceleration. Where a
-    torque limit cuts in, the fractional integral, `z` and `v_a` take in only what was followed.
+    `K (ė_a - ė)` is a disturbance observer of bandwidth `K` in units of acceleration. Where a
+    torque limit cuts in, the fractional integral, `z` and `ė_a` take in only what was followed.
 
     Signals: "s"; "z"; "disturbance", the momentum observer's torque; "inertia_floor", `δ`.
 
@@ -115,7 +115,7 @@ class RobustFONFTSM(Controller):
         derivative = FractionalDerivative(**memory).stream(n)
         integral = FractionalIntegral(**memory).stream(n)
         self._streams = [derivative, integral]
-        # Rows: z, v_a, y, last v, d, mean of d, δ; and, in the first entry of the last row, whether
+        # Rows: z, ė_a, y, last v, d, mean of d, δ; and, in the first entry of the last row, whether
         # there was a tick.
         self._state = np.zeros((8, n))
         work = np.zeros((5, n))
@@ -189,7 +189,7 @@ def control_law(
         gains[0], gains[1], gains[2], gains[3], gains[4], gains[5], gains[6], gains[7], gains[8],
         gains[9], gains[10], gains[11],
     )  # fmt: skip
-    z, v_a, y, last_v, d, mean_d, delta, started = (
+    z, ed_a, y, last_v, d, mean_d, delta, started = (
         state[0], state[1], state[2], state[3], state[4], state[5], state[6], state[7],
     )  # fmt: skip
     S, w, a, u, excess = work[0], work[1], work[2], work[3], work[4]
@@ -198,10 +198,10 @@ def control_law(
     # What the last tick did: the disturbance, and the floor under the inertia that it calls for.
     if started[0] == 0.0:
         started[0] = 1.0
-        v_a[:] = v
+        ed_a[:] = ed
     else:
         observe(dt, M0, h0, v, last_v, tau, OBSERVER_RATE, d)
-        raise_floor(dt, e, d, share, largest, mean_d, delta)
+        raise_floor(dt, e, M0, d, share, largest, mean_d, delta)
     last_v[:] = v
 
     # S = D^{α,σ} ė + A ς(e) + λ sig(e)^{p/q}
@@ -216,11 +216,11 @@ def control_law(
             + z[i]
         )
 
-    # a = a_d - I^{α,σ} w,   u = a + K (v_a - v),   τ = M0 u + δ y + C0 v + G0
+    # a = a_d - I^{α,σ} w,   u = a + K (ė_a - ė),   τ = M0 u + δ y + C0 v + G0
     gain = predict(integral, integral_memory, dt, a)
     for i in range(n):
         a[i] = a_d[i] - a[i] - gain * w[i]
-        u[i] = a[i] + K[i] * (v_a[i] - v[i])
+        u[i] = a[i] + K[i] * (ed_a[i] - ed[i])
         y[i] += floor_rate[i] * dt / (1.0 + floor_rate[i] * dt) * (u[i] - y[i])
         excess[i] = h0[i] + delta[i] * y[i]
     inverse_dynamics(M0, excess, u, effort_limit, tau, excess)
@@ -233,5 +233,5 @@ def control_law(
             w[i] = unwound(w[i], unfollowed, gain * inertia)
         x = S[i] / phi[i]
         z[i] = integrated(z[i], b[i] * x / (1.0 + x * x), dt, unfollowed)
-        v_a[i] += dt * (a[i] - unfollowed / inertia)
+        ed_a[i] += dt * (a[i] - a_d[i] - unfollowed / inertia)
     commit(integral, integral_memory, w, dt)
