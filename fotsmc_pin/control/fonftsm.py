@@ -63,14 +63,14 @@ class SurfaceGains(Gains):
     A: Array = per_joint(10.0, "s^-(1+α)", above=0.0)
     lam: Array = per_joint(2.0, "rad^(1-p/q) s^-(1+α)", at_least=0.0)
     power: float = scalar(0.9, above=0.0, below=2.0)
-    error_floor: float = scalar(1e-3, "rad", above=0.0)
+    error_floor: float = scalar(1e-3, "rad", above=0.0, tuned=False)
     theta: Array = per_joint(5.0, "1/s", above=0.0)
     mu: float = scalar(0.99, above=0.0, below=1.0)
     switching: str = option("sign", SWITCHING)
     boundary_layer: Array = per_joint(0.1, "rad s^-(1+α)", above=0.0)
     inertia: str = option("inside", INERTIA)
     tempering: float = scalar(0.0, "1/s", at_least=0.0)
-    memory_horizon: float = scalar(1e3, "s", above=0.0)
+    memory_horizon: float = scalar(1e3, "s", above=0.0, tuned=False)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -33,7 +33,7 @@ class TerminalSMCGains(Gains):
 
     beta: Array = per_joint(2.0, "rad^(1-q/p)/s", above=0.0)
     power: float = scalar(0.6, above=0.0, below=1.0)
-    error_floor: float = scalar(1e-2, "rad", above=0.0)
+    error_floor: float = scalar(1e-2, "rad", above=0.0, tuned=False)
     K: Array = per_joint(10.0, "1/s", at_least=0.0)
     eta: Array = per_joint(5.0, "rad/s²", at_least=0.0)
     switching: str = option("sign", SWITCHING)

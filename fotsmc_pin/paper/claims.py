@@ -279,8 +279,8 @@ def as_markdown(verdicts: list[Verdict]) -> str:
     lines = [
         "# What the paper claims, and what was measured",
         "",
-        "Two-link case, 1 kHz, the paper's gains with the readings of the `paper` preset. Every verdict",
-        "follows from the numbers in `metrics.json`.",
+        "Two-link case, 1 kHz, the paper's gains with the readings of the `paper` preset. Every",
+        "verdict follows from the numbers in `metrics.json`.",
         "",
     ]
     for verdict in verdicts:
