@@ -10,8 +10,17 @@ from .arms import (
 )
 from .control import (
     AdaptiveFONFTSM as AdaptiveFONFTSM,
+    ComputedTorque as ComputedTorque,
+    ContinuousTSM as ContinuousTSM,
     Controller as Controller,
     FONFTSM as FONFTSM,
+    FractionalSwitchingSMC as FractionalSwitchingSMC,
+    LinearSMC as LinearSMC,
+    NonsingularTSM as NonsingularTSM,
+    RobustFONFTSM as RobustFONFTSM,
+    SuperTwistingSMC as SuperTwistingSMC,
+    TDEFONTSM as TDEFONTSM,
+    TerminalSMC as TerminalSMC,
 )
 from .fractional import (
     FractionalDerivative as FractionalDerivative,

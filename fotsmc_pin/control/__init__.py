@@ -31,4 +31,19 @@ _LAWS: tuple[type[Controller], ...] = (
 CONTROLLERS: dict[str, type[Controller]] = {law.__name__: law for law in _LAWS}
 """Every law by name: what the tables, the laws of behaviour and the command line run over."""
 
-__all__ = ["CONTROLLERS", "PaperConditionWarning", *CONTROLLERS, "Controller"]
+__all__ = [
+    "AdaptiveFONFTSM",
+    "CONTROLLERS",
+    "ComputedTorque",
+    "ContinuousTSM",
+    "Controller",
+    "FONFTSM",
+    "FractionalSwitchingSMC",
+    "LinearSMC",
+    "NonsingularTSM",
+    "PaperConditionWarning",
+    "RobustFONFTSM",
+    "SuperTwistingSMC",
+    "TDEFONTSM",
+    "TerminalSMC",
+]
