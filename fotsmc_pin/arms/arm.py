@@ -89,14 +89,8 @@ class Arm:
     @classmethod
     def from_dict(cls, parts: Mapping[str, Any]) -> Arm:
         """Rebuild an arm from `to_dict`."""
-        return cls(
-            urdf=parts["urdf"],
-            name=parts["name"],
-            tool_frame=parts["tool_frame"],
-            package_dirs=tuple(parts["package_dirs"]),
-            changes=tuple(parts["changes"]),
-            notes=tuple(parts["notes"]),
-        )
+        lists = ("package_dirs", "changes", "notes")
+        return cls(**{**parts, **{name: tuple(parts[name]) for name in lists}})
 
     @cached_property
     def tree(self) -> UrdfTree:
