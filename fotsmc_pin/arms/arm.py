@@ -34,7 +34,7 @@ class Arm:
     """A robot arm: `M(q) a + C(q, v) v + G(q) = τ`.
 
     Make one with `load_arm` or `perturb`. An arm never changes. It is its URDF: everything else
-    follows from that text, two arms are equal when their texts and names are, and an arm travels
+    follows from that text. Two arms are equal when all that is listed below is, and an arm travels
     to another process or into a file as text (`to_dict`, pickle).
 
     The terms include the armature (the motors' inertia seen from the joint). They leave out joint
