@@ -1,4 +1,4 @@
-"""Triangles and material colours of a COLLADA file.
+"""Triangles, colours and pictures of a COLLADA file.
 
 Pinocchio's own loader gives the triangles of a whole file in one colour; robots' files have several
 materials. Like that loader, this one takes the file's numbers as metres, with z up, whatever its
@@ -8,11 +8,12 @@ header says.
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
+from urllib.parse import unquote
 
 import numpy as np
 from defusedxml import ElementTree
 
-from fotsmc_pin.view.meshes import Mesh, merged
+from fotsmc_pin.view.meshes import Mesh, Skin, merged
 from fotsmc_pin.view.shapes import GREY
 
 if TYPE_CHECKING:
@@ -27,20 +28,24 @@ if TYPE_CHECKING:
     Matrix = NDArray[np.float64]
 
 
+PICTURES = {".png": "image/png", ".jpg": "image/jpeg", ".jpeg": "image/jpeg"}
+
+
 def read_collada(path: Path) -> Mesh:
-    """Return the triangles that the file's scene shows, each in its material's diffuse colour.
+    """Return the triangles that the file's scene shows, each in its material's diffuse look.
 
     Raises:
         ValueError: the file has no triangles that this reader knows.
         xml.etree.ElementTree.ParseError: it is not XML.
     """
-    return _Document(ElementTree.parse(path).getroot()).mesh()
+    return _Document(ElementTree.parse(path).getroot(), path.parent).mesh()
 
 
 class _Document:
     """One COLLADA file: its elements by id, without the namespace that fills every tag."""
 
-    def __init__(self, root: Element) -> None:
+    def __init__(self, root: Element, folder: Path) -> None:
+        self._folder = folder
         for element in root.iter():
             element.tag = element.tag.rpartition("}")[2]
         self._root = root
@@ -75,35 +80,64 @@ class _Document:
                 yield from self._geometry(child, placement)
 
     def _geometry(self, instance: Element, placement: Matrix) -> Iterator[Mesh]:
-        colors = {
-            bound.get("symbol"): self._color(bound.get("target"))
+        looks = {
+            bound.get("symbol"): self._look(bound.get("target"))
             for bound in instance.iter("instance_material")
         }
         for mesh in self._get(instance.get("url")).iter("mesh"):
             for primitive in mesh:
-                faces = _faces(primitive)
-                if faces is None or not len(faces):
+                corners = _corners(primitive)
+                if corners is None or not len(corners):
                     continue
-                vertices = self._positions(primitive) @ placement[:3, :3].T + placement[:3, 3]
                 if np.linalg.det(placement[:3, :3]) < 0:
-                    faces = faces[:, ::-1]
-                color = colors.get(primitive.get("material"), GREY)
-                yield Mesh(vertices=vertices, faces=faces, paint=((color, len(faces)),))
+                    corners = corners[:, ::-1]
+                positions, number = self._table(primitive, "VERTEX")
+                color, image = looks.get(primitive.get("material"), (GREY, None))
+                skin = None
+                if image is not None:
+                    uv, column = self._table(primitive, "TEXCOORD")
+                    skin = Skin(uv=uv[corners[..., column], :2], images=(image,))
+                yield Mesh(
+                    vertices=positions[:, :3] @ placement[:3, :3].T + placement[:3, 3],
+                    faces=corners[..., number],
+                    paint=((color, len(corners)),),
+                    skin=skin,
+                )
 
-    def _positions(self, primitive: Element) -> Matrix:
-        vertices = self._get(_input(primitive, "VERTEX").get("source"))
-        source = self._get(_input(vertices, "POSITION").get("source"))
+    def _table(self, primitive: Element, semantic: str) -> tuple[Matrix, int]:
+        """Return the numbers (n, k) behind an input of a primitive, and its place in a corner."""
+        entry = _input(primitive, semantic)
+        source = self._get(entry.get("source"))
+        if source.tag == "vertices":
+            source = self._get(_input(source, "POSITION").get("source"))
         accessor = source.find("technique_common/accessor")
-        stride = int(accessor.get("stride", 3)) if accessor is not None else 3
-        return _numbers(source.find("float_array"), float).reshape(-1, stride)[:, :3]
+        stride = int(accessor.get("stride", 1)) if accessor is not None else 3
+        numbers = _numbers(source.find("float_array"), float).reshape(-1, stride)
+        return numbers, int(entry.get("offset", 0))
 
-    def _color(self, material: str | None) -> Color:
-        effect = self._get(self._get(material).find("instance_effect").get("url"))  # type: ignore[union-attr]
-        color = effect.find(".//diffuse/color")
+    def _look(self, material: str | None) -> tuple[Color, Path | None]:
+        """Return the diffuse colour of a material, or white and its picture."""
+        entry = self._get(material).find("instance_effect")
+        effect = self._get(entry.get("url") if entry is not None else None)
+        color, texture = (effect.find(f".//diffuse/{kind}") for kind in ("color", "texture"))
+        if texture is not None:
+            return GREY, self._image(effect, texture.get("texture"))
         if color is None or not color.text:
-            return GREY
+            return GREY, None
         red, green, blue = _numbers(color, float)[:3].clip(0, 1).tolist()
-        return (red, green, blue, 1.0)
+        return (red, green, blue, 1.0), None
+
+    def _image(self, effect: Element, sampler: str | None) -> Path | None:
+        """Follow sampler and surface to the file of a picture; None where it is not there."""
+        parameters = {p.get("sid"): p for p in effect.iter("newparam")}
+        name = sampler
+        for step in ("sampler2D/source", "surface/init_from"):
+            parameter = parameters.get(name)
+            name = parameter.findtext(step) if parameter is not None else name
+        image = self._by_id.get(name or "")
+        address = image.findtext("init_from") if image is not None else None
+        file = self._folder / unquote((address or "").strip().removeprefix("file://"))
+        return file if file.suffix.lower() in PICTURES and file.is_file() else None
 
 
 def _input(element: Element, semantic: str) -> Element:
@@ -118,29 +152,30 @@ def _numbers(element: Element | None, kind: type) -> NDArray[Any]:
     return np.array((text or "").split(), dtype=kind)
 
 
-def _faces(primitive: Element) -> NDArray[np.int64] | None:
-    """Return the position indices (F, 3) of a primitive, or None where it is no set of faces."""
+def _corners(primitive: Element) -> NDArray[np.int64] | None:
+    """Return the indices (F, 3, k) at the corners of a primitive, one for each of its k inputs."""
     if primitive.tag not in ("triangles", "polylist", "polygons"):
         return None
-    stride = max(int(source.get("offset", 0)) for source in primitive.findall("input")) + 1
-    offset = int(_input(primitive, "VERTEX").get("offset", 0))
-    corners = [_numbers(p, np.int64)[offset::stride] for p in primitive.findall("p")]
+    width = max(int(source.get("offset", 0)) for source in primitive.findall("input")) + 1
+    rows = [_numbers(p, np.int64).reshape(-1, width) for p in primitive.findall("p")]
+    if not rows:
+        return None
     if primitive.tag == "triangles":
-        return np.concatenate(corners).reshape(-1, 3) if corners else None
+        return np.concatenate(rows).reshape(-1, 3, width)
     if primitive.tag == "polygons":
-        counts = np.array([len(polygon) for polygon in corners], dtype=np.int64)
+        counts = np.array([len(polygon) for polygon in rows], dtype=np.int64)
     else:
         counts = _numbers(primitive.find("vcount"), np.int64)
-    return _fans(np.concatenate(corners), counts) if corners else None
+    return np.concatenate(rows)[_fans(counts)]
 
 
-def _fans(corners: NDArray[np.int64], counts: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Split polygons with `counts` corners each into triangles around their first corner."""
+def _fans(counts: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return rows (F, 3) that split polygons of `counts` corners around their first corners."""
     starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
     fans = np.maximum(counts - 2, 0)
     first = np.repeat(starts, fans)
     step = np.arange(fans.sum()) - np.repeat(np.cumsum(fans) - fans, fans)
-    return np.stack([corners[first], corners[first + step + 1], corners[first + step + 2]], axis=1)
+    return np.stack([first, first + step + 1, first + step + 2], axis=1)
 
 
 def _placement(node: Element) -> Matrix:

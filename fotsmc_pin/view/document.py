@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import base64
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fotsmc_pin.view.collada import PICTURES
 from fotsmc_pin.view.curves import thinned_curves
 from fotsmc_pin.view.framing import Framing, framing
 from fotsmc_pin.view.meshes import GRID_STEPS, Mesh, thinned
@@ -16,6 +18,7 @@ from fotsmc_pin.view.visuals import Visual, visuals_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
+    from pathlib import Path
 
     from fotsmc_pin.simulation import Recording
     from fotsmc_pin.view.pack import Pack
@@ -82,8 +85,8 @@ def document(shots: Sequence[Shot], options: Mapping[str, Any], pack: Pack) -> d
 
     Args:
         shots: the runs.
-        options: how the page starts (`ghost`, `paths`, `speed`, `loop`, `play`, `theme`), and
-            `signals`, the names of the signals to plot.
+        options: how the page starts (`ghost`, `paths`, `speed`, `loop`, `play`, `theme`);
+            `signals`, the names of the signals to plot; and `quality`.
         pack: takes the arrays.
     """
     meshes: list[dict[str, Any]] = []
@@ -92,7 +95,7 @@ def document(shots: Sequence[Shot], options: Mapping[str, Any], pack: Pack) -> d
         for visual in shot.visuals:
             if id(visual.mesh) not in numbers:
                 numbers[id(visual.mesh)] = len(meshes)
-                meshes.append(_mesh(visual.mesh, pack))
+                meshes.append(_mesh(visual.mesh, pack, skins=options["quality"] == "full"))
     runs = []
     ghosts: list[Any] = []
     for index, shot in enumerate(shots):
@@ -107,7 +110,7 @@ def document(shots: Sequence[Shot], options: Mapping[str, Any], pack: Pack) -> d
             del run["frames"]["ghost"], run["frames"]["tool_d"]
         ghosts.append(same_ghost)
         runs.append(run)
-    options = {key: value for key, value in options.items() if key != "signals"}
+    options = {key: value for key, value in options.items() if key not in ("signals", "quality")}
     return {"runs": runs, "meshes": meshes, "view": _view(shots), "options": options}
 
 
@@ -172,18 +175,29 @@ def _motion(move: Motion, pack: Pack) -> dict[str, Any]:
     }
 
 
-def _mesh(mesh: Mesh, pack: Pack) -> dict[str, Any]:
+def _mesh(mesh: Mesh, pack: Pack, *, skins: bool) -> dict[str, Any]:
     """Store vertices as 16-bit steps from the lowest corner; they err by 1/131070 of the size."""
     low, high = mesh.box
     step = max(float((high - low).max()) / GRID_STEPS, 1e-12)
     kind = "u2" if len(mesh.vertices) <= GRID_STEPS else "u4"
-    return {
+    stored: dict[str, Any] = {}
+    if skins and mesh.skin is not None:
+        images = [_data_address(image) for image in mesh.skin.images]
+        stored["skin"] = {"uv": pack.add(mesh.skin.uv), "images": images}
+    return stored | {
         "low": low.tolist(),
         "step": step,
         "vertices": pack.add(np.rint((mesh.vertices - low) / step), "u2"),
         "faces": pack.add(mesh.faces, kind),
         "paint": [{"rgba": list(color), "count": count} for color, count in mesh.paint],
     }
+
+
+def _data_address(image: Path | None) -> str | None:
+    if image is None:
+        return None
+    kind = PICTURES[image.suffix.lower()]
+    return f"data:{kind};base64,{base64.b64encode(image.read_bytes()).decode('ascii')}"
 
 
 def _view(shots: Sequence[Shot]) -> dict[str, Any]:

@@ -58,8 +58,8 @@ def export_html(
         paths: whether the tool's paths grow with time, are shown whole, or not at all.
         layout: whether several arms stand in one place or next to each other; "auto" puts runs of
             equal length of chain in one place.
-        quality: "compact" thins fine meshes so that the file stays small, "full" keeps every
-            triangle.
+        quality: "compact" thins fine meshes so that the file stays small; "full" keeps every
+            triangle, and the pictures that COLLADA meshes bear.
         rate: frames per second of the run [1/s]; long runs get fewer.
         speed: seconds of the run shown in one second.
         loop: whether to start again at the end.
@@ -86,6 +86,7 @@ def export_html(
         "loop": bool(loop),
         "play": bool(play),
         "theme": choice("theme", theme, ("auto", "light", "dark")),
+        "quality": choice("quality", quality, ("compact", "full")),
         "signals": _known_signals(signals, recordings),
     }
     choice("layout", layout, ("auto", "overlay", "side by side"))
@@ -93,7 +94,7 @@ def export_html(
     shots = shots_of(
         recordings,
         rate=finite_number("rate", rate, above=0.0, at_most=1000.0),
-        quality=choice("quality", quality, ("compact", "full")),
+        quality=quality,
         side_by_side=layout == "side by side" or (layout == "auto" and not same_arm),
     )
     pack = Pack()

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from pathlib import Path
 
     from numpy.typing import NDArray
 
@@ -23,6 +24,19 @@ CELL_FRACTIONS = (1 / 3000, 1 / 2000, 1 / 1400, 1 / 1000, 1 / 700, 1 / 500, 1 / 
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class Skin:
+    """Pictures on a mesh.
+
+    Attributes:
+        uv: place in the picture of each corner of each face (F, 3, 2), from its lower left, 0 to 1.
+        images: file of the picture for each colour of the mesh's paint; None where there is none.
+    """
+
+    uv: Floats
+    images: tuple[Path | None, ...]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Mesh:
     """Triangles whose faces are sorted by colour.
 
@@ -30,11 +44,13 @@ class Mesh:
         vertices: corners (V, 3) [m].
         faces: indices into the vertices (F, 3), counter-clockwise seen from outside.
         paint: colours (sRGB and opacity, 0 to 1), each with the number of faces that it covers.
+        skin: pictures on the faces, if any.
     """
 
     vertices: Floats
     faces: Integers
     paint: tuple[tuple[Color, int], ...]
+    skin: Skin | None = None
 
     @property
     def box(self) -> tuple[Floats, Floats]:
@@ -53,6 +69,7 @@ def merged(parts: Sequence[Mesh]) -> Mesh:
         vertices=np.vstack([part.vertices for part in parts]),
         faces=np.vstack([part.faces + o for part, o in zip(parts, offsets, strict=False)]),
         paint=tuple(run for part in parts for run in part.paint),
+        skin=_merged_skins(parts),
     )
 
 
@@ -77,7 +94,7 @@ def welded(mesh: Mesh, cell: float = 0.0) -> Mesh:
     faces = label[mesh.faces]
     a, b, c = faces.T
     kept = (a != b) & (b != c) & (c != a)
-    return _in_order_of_use(centers, faces[kept], _paint_of(mesh, kept))
+    return _in_order_of_use(_with_faces(mesh, kept, centers, faces))
 
 
 def thinned(meshes: Sequence[Mesh], size: float, budget: int) -> list[Mesh]:
@@ -102,24 +119,37 @@ def _welded_unless_lost(mesh: Mesh, cell: float) -> Mesh:
     return coarse if len(coarse.faces) >= min(12, len(mesh.faces)) else mesh
 
 
-def _paint_of(mesh: Mesh, kept: NDArray[np.bool_]) -> tuple[tuple[Color, int], ...]:
-    """Count again how many of the kept faces each colour covers."""
-    ends = np.cumsum([count for _, count in mesh.paint])
-    total = np.concatenate([[0], np.cumsum(kept)])
-    counts = np.diff(total[np.concatenate([[0], ends])])
-    return tuple(
-        (color, int(count))
-        for (color, _), count in zip(mesh.paint, counts, strict=True)
-        if count > 0
+def _merged_skins(parts: Sequence[Mesh]) -> Skin | None:
+    if all(part.skin is None for part in parts):
+        return None
+    bare = [
+        Skin(uv=np.zeros((len(part.faces), 3, 2)), images=(None,) * len(part.paint))
+        for part in parts
+    ]
+    skins = [part.skin or plain for part, plain in zip(parts, bare, strict=True)]
+    return Skin(
+        uv=np.concatenate([skin.uv for skin in skins]),
+        images=tuple(image for skin in skins for image in skin.images),
     )
 
 
-def _in_order_of_use(
-    vertices: Floats, faces: Integers, paint: tuple[tuple[Color, int], ...]
-) -> Mesh:
+def _with_faces(mesh: Mesh, kept: NDArray[np.bool_], vertices: Floats, faces: Integers) -> Mesh:
+    """Return `mesh` with other vertices and of the new `faces` only the kept ones."""
+    ends = np.cumsum([count for _, count in mesh.paint])
+    total = np.concatenate([[0], np.cumsum(kept)])
+    counts = np.diff(total[np.concatenate([[0], ends])]).tolist()
+    paint = tuple((c, n) for (c, _), n in zip(mesh.paint, counts, strict=True) if n > 0)
+    skin = None
+    if mesh.skin is not None:
+        images = zip(mesh.skin.images, counts, strict=True)
+        skin = Skin(uv=mesh.skin.uv[kept], images=tuple(image for image, n in images if n > 0))
+    return Mesh(vertices=vertices, faces=faces[kept], paint=paint, skin=skin)
+
+
+def _in_order_of_use(mesh: Mesh) -> Mesh:
     """Renumber the vertices by their first use, which lets the indices compress well."""
-    used, first = np.unique(faces.ravel(), return_index=True)
+    used, first = np.unique(mesh.faces.ravel(), return_index=True)
     order = used[np.argsort(first)]
-    rank = np.empty(len(vertices), dtype=np.int64)
+    rank = np.empty(len(mesh.vertices), dtype=np.int64)
     rank[order] = np.arange(len(order))
-    return Mesh(vertices=vertices[order], faces=rank[faces], paint=paint)
+    return replace(mesh, vertices=mesh.vertices[order], faces=rank[mesh.faces])

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import warnings
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from xml.etree.ElementTree import ParseError
@@ -39,9 +40,17 @@ class Visual:
 
 
 def visuals_of(arm: Arm) -> list[Visual]:
-    """Return everything that shows of `arm`; an arm without visuals is drawn from its joints."""
-    geometry = arm.visual_model()
-    found = [_visual(item) for item in geometry.geometryObjects]
+    """Return everything that shows of `arm`; an arm without visuals is drawn from its joints.
+
+    Warns:
+        UserWarning: a mesh cannot be read; the arm is drawn from its joints.
+    """
+    try:
+        items = list(arm.visual_model().geometryObjects)
+    except (ValueError, RuntimeError) as error:
+        warnings.warn(f"{arm.name} is drawn from its joints alone: {error}", stacklevel=2)
+        items = []
+    found = [_visual(item) for item in items]
     drawn = [visual for visual in found if visual is not None]
     if any(not visual.name.startswith(PAYLOAD) for visual in drawn):
         return drawn
@@ -58,11 +67,8 @@ def _visual(item: Any) -> Visual | None:
         return None
     if item.overrideMaterial:
         mesh = mesh.painted(_color(item.meshColor))
-    placed = Mesh(
-        vertices=mesh.vertices @ item.placement.rotation.T + item.placement.translation,
-        faces=mesh.faces,
-        paint=mesh.paint,
-    )
+    turned = mesh.vertices @ item.placement.rotation.T
+    placed = replace(mesh, vertices=turned + item.placement.translation)
     return Visual(name=item.name, joint=int(item.parentJoint), mesh=placed)
 
 
@@ -104,7 +110,7 @@ def _from_file(item: Any) -> Mesh | None:
         mesh = reader(path)
     except (ValueError, ParseError, OSError):
         return None
-    scaled = Mesh(vertices=mesh.vertices * item.meshScale, faces=mesh.faces, paint=mesh.paint)
+    scaled = replace(mesh, vertices=mesh.vertices * item.meshScale)
     item.geometry.computeLocalAABB()
     expected = np.stack([item.geometry.aabb_local.min_, item.geometry.aabb_local.max_])
     used = scaled.vertices[np.unique(scaled.faces)]
@@ -128,4 +134,4 @@ def _bounding_box(shape: Any) -> Mesh | None:
     if not (np.isfinite(low).all() and np.isfinite(high).all()) or np.abs(high - low).max() > 1e6:
         return None
     block = shapes.box((high - low) / 2)
-    return Mesh(vertices=block.vertices + (low + high) / 2, faces=block.faces, paint=block.paint)
+    return replace(block, vertices=block.vertices + (low + high) / 2)

@@ -94,3 +94,18 @@ def test_materials_of_the_panda_survive():
     colors = {color for mesh in meshes for color, _ in mesh.paint}
     assert any(max(color[:3]) < 0.4 for color in colors), "its dark parts"
     assert any(min(color[:3]) > 0.8 for color in colors), "its white parts"
+
+
+def test_a_mesh_that_cannot_be_read_leaves_the_joints_to_draw(tmp_path):
+    (tmp_path / "broken.dae").write_text("<COLLADA/>")
+    (tmp_path / "arm.urdf").write_text(
+        """<robot name="arm"><link name="a"/><link name="b"><inertial><mass value="1"/>
+        <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+        <visual><geometry><mesh filename="broken.dae"/></geometry></visual></link>
+        <joint name="turn" type="continuous"><parent link="a"/><child link="b"/>
+        <axis xyz="0 0 1"/><origin xyz="0 0 0.5"/></joint></robot>"""
+    )
+    arm = fp.load_arm(tmp_path / "arm.urdf")
+    with pytest.warns(UserWarning, match="drawn from its joints"):
+        drawn = visuals.visuals_of(arm)
+    assert "turn" in [visual.name for visual in drawn]

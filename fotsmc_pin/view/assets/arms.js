@@ -67,13 +67,14 @@ class Run {
     this.color = new THREE.Color(run.color).convertSRGBToLinear();
     this.shown = true;
     const paints = new Map();
-    const paint = (rgba) => {
-      const key = rgba.join();
-      if (!paints.has(key)) paints.set(key, linkMaterial(rgba, several ? this.color : null));
+    const paint = (rgba, image) => {
+      const key = `${rgba.join()} ${image?.uuid}`;
+      if (!paints.has(key)) paints.set(key, linkMaterial(rgba, several ? this.color : null, image));
       return paints.get(key);
     };
+    const dressed = ({ paint: runs, skin }) => runs.map(({ rgba }, k) => paint(rgba, skin?.images[k] ?? null));
     this.figure = new Figure(this.root, run, run.frames.arm, (visual, body) => {
-      const mesh = new THREE.Mesh(visual.geometry, visual.mesh.paint.map(({ rgba }) => paint(rgba)));
+      const mesh = new THREE.Mesh(visual.geometry, dressed(visual.mesh));
       mesh.name = visual.name;
       mesh.castShadow = mesh.receiveShadow = true;
       body.add(mesh);
@@ -114,11 +115,13 @@ class Run {
 
 const GHOST_COLOR = "#35a3e0";
 
-function linkMaterial([red, green, blue, alpha], tint) {
+// `image` is what `loadImages` made of a picture, or null.
+function linkMaterial([red, green, blue, alpha], tint, image) {
   const color = new THREE.Color(red, green, blue).convertSRGBToLinear();
   if (tint) color.lerp(tint, 0.72);
   return new THREE.MeshStandardMaterial({
     color,
+    map: image,
     roughness: 0.52,
     metalness: 0.08,
     side: THREE.DoubleSide,
@@ -126,6 +129,24 @@ function linkMaterial([red, green, blue, alpha], tint) {
     opacity: Math.max(alpha, 0.15),
     depthWrite: alpha >= 1,
   });
+}
+
+// Turns the pictures of all meshes from addresses into textures, each once.
+async function loadImages(meshes) {
+  const known = new Map();
+  const load = async (address) => {
+    const texture = new THREE.Texture(Object.assign(new Image(), { src: address }));
+    await texture.image.decode();
+    Object.assign(texture, { encoding: THREE.sRGBEncoding, wrapS: THREE.RepeatWrapping, wrapT: THREE.RepeatWrapping });
+    texture.needsUpdate = true;
+    return texture;
+  };
+  for (const { skin } of meshes)
+    for (const [k, address] of (skin?.images ?? []).entries()) {
+      if (!address) continue;
+      if (!known.has(address)) known.set(address, await load(address));
+      skin.images[k] = known.get(address);
+    }
 }
 
 // The first layer fills only the depth, so that of the second just the nearest surface shows. Both

@@ -6,7 +6,7 @@ function meshGeometry(mesh) {
   const { vertices, faces, low, step } = mesh;
   const points = new Float32Array(vertices.length);
   for (let i = 0; i < points.length; i++) points[i] = low[i % 3] + vertices[i] * step;
-  const geometry = creased(points, faces);
+  const geometry = creased(points, faces, mesh.skin?.uv);
   let start = 0;
   mesh.paint.forEach(({ count }, index) => {
     geometry.addGroup(3 * start, 3 * count, index);
@@ -17,7 +17,7 @@ function meshGeometry(mesh) {
 
 // A corner's normal is the mean of those faces around its vertex that meet its own face at less than
 // the crease angle.
-function creased(points, faces) {
+function creased(points, faces, uv) {
   const count = faces.length / 3;
   const normals = new Float32Array(3 * count);
   const lengths = new Float32Array(count);
@@ -38,8 +38,10 @@ function creased(points, faces) {
   const members = new Uint32Array(faces.length);
   for (let i = 0; i < faces.length; i++) members[next[faces[i]]++] = Math.floor(i / 3);
 
-  // Corners of one vertex with one normal become one vertex again: a chain per vertex finds them.
-  const [corners, smooth, chain] = [[], [], []];
+  // Corners of one vertex with one normal and one place in the picture become one vertex again: a chain per vertex finds them.
+  const [corners, smooth, chain, places] = [[], [], [], []];
+  const elsewhere = (k, i) => uv && (places[2 * k] !== uv[2 * i] || places[2 * k + 1] !== uv[2 * i + 1]);
+  const bent = (k, x, y, z) => x * smooth[3 * k] + y * smooth[3 * k + 1] + z * smooth[3 * k + 2] < 0.9999;
   const first = new Int32Array(points.length / 3).fill(-1);
   const indices = new Uint32Array(faces.length);
   for (let i = 0; i < faces.length; i++) {
@@ -61,19 +63,21 @@ function creased(points, faces) {
     y /= length;
     z /= length;
     let k = first[vertex];
-    while (k >= 0 && x * smooth[3 * k] + y * smooth[3 * k + 1] + z * smooth[3 * k + 2] < 0.9999) k = chain[k];
+    while (k >= 0 && (bent(k, x, y, z) || elsewhere(k, i))) k = chain[k];
     if (k < 0) {
       k = chain.length;
       chain.push(first[vertex]);
       first[vertex] = k;
       corners.push(points[3 * vertex], points[3 * vertex + 1], points[3 * vertex + 2]);
       smooth.push(x, y, z);
+      if (uv) places.push(uv[2 * i], uv[2 * i + 1]);
     }
     indices[i] = k;
   }
   const geometry = new THREE.BufferGeometry();
   geometry.setAttribute("position", new THREE.Float32BufferAttribute(corners, 3));
   geometry.setAttribute("normal", new THREE.Float32BufferAttribute(smooth, 3));
+  if (uv) geometry.setAttribute("uv", new THREE.Float32BufferAttribute(places, 2));
   geometry.setIndex(new THREE.BufferAttribute(indices, 1));
   return geometry;
 }

@@ -10,6 +10,7 @@ async function start() {
   page.scene.setAttribute("aria-label", `3D view of ${data.runs.map(({ name }) => name).join(", ")}`);
   const theme = new Theme(page.themeButton, data.options.theme);
   const stage = new Stage(page.scene, data.view);
+  await loadImages(data.meshes);
   data.meshes.forEach((mesh) => (mesh.geometry = meshGeometry(mesh)));
   const several = data.runs.length > 1;
   const runs = data.runs.map((run) => {
