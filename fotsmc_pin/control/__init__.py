@@ -6,6 +6,7 @@ from fotsmc_pin.control.continuous_tsm import ContinuousTSM
 from fotsmc_pin.control.controller import Controller
 from fotsmc_pin.control.fonftsm import FONFTSM
 from fotsmc_pin.control.fractional_switching_smc import FractionalSwitchingSMC
+from fotsmc_pin.control.gravity_check import GravityWarning, warn_of_gravity
 from fotsmc_pin.control.linear_smc import LinearSMC
 from fotsmc_pin.control.nonsingular_tsm import NonsingularTSM
 from fotsmc_pin.control.paper_condition import PaperConditionWarning
@@ -39,6 +40,7 @@ __all__ = [
     "Controller",
     "FONFTSM",
     "FractionalSwitchingSMC",
+    "GravityWarning",
     "LinearSMC",
     "NonsingularTSM",
     "PaperConditionWarning",
@@ -46,4 +48,5 @@ __all__ = [
     "SuperTwistingSMC",
     "TDEFONTSM",
     "TerminalSMC",
+    "warn_of_gravity",
 ]

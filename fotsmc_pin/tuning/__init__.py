@@ -1,6 +1,7 @@
 """Searching gains: what may be drawn, and the search."""
 
+from fotsmc_pin.tuning.minimize import minimize
 from fotsmc_pin.tuning.search import Tuned, search_gains
 from fotsmc_pin.tuning.space import Span, search_space
 
-__all__ = ["Span", "Tuned", "search_gains", "search_space"]
+__all__ = ["Span", "Tuned", "minimize", "search_gains", "search_space"]

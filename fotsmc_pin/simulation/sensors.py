@@ -1,0 +1,146 @@
+"""What sensors make of the true state: noise, quantisation, velocity from position.
+
+A sensor is any callable `(t, q, v) -> (q, v)`; a `reset()` is called at the start of a run if it
+has one. `Chain` puts several one after the other.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Protocol, overload
+
+import numpy as np
+
+from fotsmc_pin import checks
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from fotsmc_pin.arms import Arm
+
+    Array = NDArray[np.float64]
+    Sensor = Callable[[float, Array, Array], tuple[Array, Array]]
+
+
+class NoisySensor:
+    """White Gaussian noise on position and velocity, the same in every run of one seed.
+
+    Args:
+        arm: the arm that is measured.
+        position: standard deviation of the position noise, one number or one per joint [rad, m].
+        velocity: standard deviation of the velocity noise [rad/s, m/s].
+        seed: where the noise comes from.
+
+    Raises:
+        ArgumentError: a negative standard deviation or seed.
+    """
+
+    def __init__(
+        self, arm: Arm, *, position: ArrayLike = 0.0, velocity: ArrayLike = 0.0, seed: int = 0
+    ) -> None:
+        self.arm = arm
+        self.position = checks.per_joint("position", position, arm.nv, at_least=0.0)
+        self.velocity = checks.per_joint("velocity", velocity, arm.nv, at_least=0.0)
+        self.seed = checks.count("seed", seed, at_least=0)
+        self.reset()
+
+    def reset(self) -> None:
+        """Start the noise anew from the seed."""
+        self._rng = np.random.default_rng(self.seed)
+
+    def __call__(self, t: float, q: Array, v: Array) -> tuple[Array, Array]:
+        """Return `q` and `v` with noise, as fresh arrays."""
+        n = self.arm.nv
+        noise = self._rng.standard_normal(2 * n)
+        return self.arm.integrate(q, self.position * noise[:n]), v + self.velocity * noise[n:]
+
+
+class QuantizedSensor:
+    """Encoders and tachometers with finite steps; each reading is the nearest step.
+
+    Args:
+        arm: the arm that is measured.
+        position: step of the position, one number or one per joint [rad, m]; 0 for none. An encoder
+            of 17 bits has `2π / 2**17`.
+        velocity: step of the velocity [rad/s, m/s]; 0 for none.
+
+    Raises:
+        ArgumentError: a negative step.
+    """
+
+    def __init__(self, arm: Arm, *, position: ArrayLike = 0.0, velocity: ArrayLike = 0.0) -> None:
+        self.arm = arm
+        self.position = checks.per_joint("position", position, arm.nv, at_least=0.0)
+        self.velocity = checks.per_joint("velocity", velocity, arm.nv, at_least=0.0)
+
+    def __call__(self, t: float, q: Array, v: Array) -> tuple[Array, Array]:
+        """Return `q` and `v` on their steps, as fresh arrays."""
+        angles = self.arm.to_joint_positions(q)
+        step = _rounded(angles, self.position) - angles
+        return self.arm.integrate(q, step), _rounded(v, self.velocity)
+
+
+class Differentiator(Protocol):
+    """Anything that makes velocity of positions, such as `FilteredDifferentiator`."""
+
+    def update(self, q: ArrayLike, dt: float | None = None) -> Array:
+        """Return the velocity (nv,) after one more position."""
+        ...
+
+    def reset(self) -> None:
+        """Forget every position."""
+        ...
+
+
+class VelocityFromPosition:
+    """No tachometer: the velocity is what a differentiator makes of the measured position.
+
+    Args:
+        differentiator: `control.FilteredDifferentiator`, `control.ExactDifferentiator` or your own.
+    """
+
+    def __init__(self, differentiator: Differentiator) -> None:
+        self.differentiator = differentiator
+
+    def reset(self) -> None:
+        """Forget every position."""
+        self.differentiator.reset()
+
+    def __call__(self, t: float, q: Array, v: Array) -> tuple[Array, Array]:
+        """Return `q` as it came and the velocity that follows from it."""
+        return q, self.differentiator.update(q)
+
+
+class Chain:
+    """Several sensors, or several actuators, each fed with the last one's output.
+
+    Args:
+        *parts: sensors `(t, q, v) -> (q, v)` or actuators `(t, tau) -> tau`, not mixed.
+    """
+
+    def __init__(self, *parts: Callable[..., object]) -> None:
+        self.parts = parts
+
+    def reset(self) -> None:
+        """Reset every part that can be."""
+        for part in self.parts:
+            reset = getattr(part, "reset", None)
+            if reset is not None:
+                reset()
+
+    @overload
+    def __call__(self, t: float, tau: Array, /) -> Array: ...
+    @overload
+    def __call__(self, t: float, q: Array, v: Array, /) -> tuple[Array, Array]: ...
+    def __call__(self, t: float, *values: Array) -> Any:
+        """Return the last part's output."""
+        result: Any = values if len(values) > 1 else values[0]
+        for part in self.parts:
+            result = part(t, *(result if isinstance(result, tuple) else (result,)))
+        return result
+
+
+def _rounded(x: Array, step: Array) -> Array:
+    safe = np.where(step > 0.0, step, 1.0)
+    return np.where(step > 0.0, safe * np.round(x / safe), x)

@@ -1,0 +1,22 @@
+"""The stress suite: a scenario that is hard on any arm, random draws, and an ablation."""
+
+from fotsmc_pin.stress_suite.ablation import VARIANTS, ablate
+from fotsmc_pin.stress_suite.baseline import best_pid
+from fotsmc_pin.stress_suite.draws import Draw, draw_case, run_draws
+from fotsmc_pin.stress_suite.scenario import Scenario, scenario
+from fotsmc_pin.stress_suite.suite import stress
+from fotsmc_pin.stress_suite.table import StressRow, markdown
+
+__all__ = [
+    "stress",
+    "scenario",
+    "Scenario",
+    "StressRow",
+    "markdown",
+    "best_pid",
+    "ablate",
+    "VARIANTS",
+    "Draw",
+    "draw_case",
+    "run_draws",
+]

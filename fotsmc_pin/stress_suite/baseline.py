@@ -1,0 +1,60 @@
+"""`best_pid`: the best computed-torque PID that a search finds on an arm's own scenario."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from fotsmc_pin.control import ComputedTorque
+from fotsmc_pin.stress_suite.scenario import DT, DURATION, Scenario
+from fotsmc_pin.stress_suite.table import StressRow, run_row
+from fotsmc_pin.tuning import Span, minimize
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+TRIALS = 200
+SEARCH_SPACE = {
+    "kp": Span(low=10.0, high=1e5, logarithmic=True),
+    "kd": Span(low=3.0, high=1e3, logarithmic=True),
+    "ki": Span(low=1.0, high=1e7, logarithmic=True),
+}
+"""Where the gains of the PID are looked for: three to seven decades each."""
+PENALTY = 10.0
+"""Cost of a run that diverged [rad]."""
+
+
+def best_pid(
+    case: Scenario,
+    *,
+    trials: int = TRIALS,
+    seed: int = 0,
+    duration: float = DURATION,
+    progress: Callable[[float], None] | None = None,
+) -> tuple[StressRow, dict[str, float]]:
+    """Search the PID gains with the smallest tail RMS error on the scenario itself.
+
+    The PID is tuned to the very run that it is judged by, noise and all; its competitor is not.
+
+    Args:
+        case: the scenario.
+        trials: how many sets of gains are tried, the law's own PID preset first.
+        seed: of the search.
+        duration: simulated time of each run [s].
+        progress: is told the fraction done.
+
+    Returns:
+        The row of the best run, and its gains.
+
+    Raises:
+        MissingDependencyError: Optuna is not installed.
+    """
+
+    def judged(gains: dict[str, Any]) -> StressRow:
+        return run_row(case, ComputedTorque(case.arm, DT, **gains), "best PID", duration)
+
+    def cost(gains: dict[str, float]) -> float:
+        return min(judged(gains).tail_rms_error, PENALTY)
+
+    start = {name: float(value) for name, value in ComputedTorque.presets["pid"].items()}
+    best = minimize(cost, SEARCH_SPACE, start=start, trials=trials, seed=seed, progress=progress)
+    return judged(best), best
