@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 
 import numpy as np
@@ -33,6 +34,14 @@ def page(opened):
     opened.run("fotsmc.pause(), fotsmc.seek(0), document.activeElement.blur()")
     yield opened
     assert opened.complaints == []
+
+
+def heads_of(page) -> list[float]:
+    """Return where the plots' playheads stand, from the left edges of the plots [px]."""
+    return page.run(
+        "[...document.querySelectorAll('.playhead')].map(e => e.getBoundingClientRect().x"
+        " + 1 - e.parentElement.getBoundingClientRect().x)"
+    )
 
 
 def joint_pose(recording: fp.Recording, q: np.ndarray, name: str) -> pin.SE3:
@@ -80,10 +89,7 @@ def test_plot_and_arm_follow_each_other(page, two_link):
     assert page.run("fotsmc.time") == pytest.approx(middle, abs=0.02 * two_link.t[-1])
     assert np.linalg.norm(np.subtract(page.run("fotsmc.pose('joint2').position"), before)) > 0.01
     page.run("fotsmc.seek(1.0)")
-    heads = page.run(
-        "[...document.querySelectorAll('.playhead')].map(e => e.getBoundingClientRect().x"
-        " - e.parentElement.getBoundingClientRect().x + 1)"
-    )
+    heads = heads_of(page)
     assert len(heads) == 3
     np.testing.assert_allclose(heads, 0.25 * plot["width"], atol=1.5)
 
@@ -171,24 +177,71 @@ def test_text_of_others_is_text_and_never_code(two_link, open_page, output):
     assert page.complaints == []
 
 
-def test_choices_of_the_page_redraw_the_plots(page_file, open_page):
+def test_choices_of_the_page_redraw_the_plots(page_file, two_link, open_page):
     page = open_page(page_file)
     captions = page.page.locator("figcaption")
+    page.run("fotsmc.seek(2.0)")
+    heads = heads_of(page)
     page.page.get_by_label("Show").select_option(label="joint2")
     page.page.get_by_role("button", name="Log error").click()
     page.page.get_by_role("button", name="Dark colours").click()
+    limit = two_link.arm.effort_limit[1]
+    page.run("new Promise(requestAnimationFrame)")
+    assert heads_of(page) == pytest.approx(heads)
     assert captions.all_text_contents() == [
         "Tracking error [rad]",
-        "Torque [N·m]",
+        f"Torque [N·m], limit ±{limit:g}",
         "Sliding variable s [–]",
     ]
     assert page.page.locator("html").get_attribute("data-shade") == "dark"
     assert page.complaints == []
 
 
+def slowdown() -> float:
+    """Return how much longer than its processor time a computation takes on this machine now."""
+    wall, cpu = time.perf_counter(), time.process_time()
+    while time.process_time() - cpu < 0.3:
+        pass
+    return (time.perf_counter() - wall) / 0.3
+
+
 def test_two_link_page_is_ready_within_three_seconds(page_file, open_page):
-    took = [open_page(page_file).run("fotsmc.readyAfter") for _ in range(2)]
+    """Of a machine that has nothing else to do; the best of three, as others may share it."""
+    took = []
+    for _ in range(3):
+        before = slowdown()
+        seconds = open_page(page_file).run("fotsmc.readyAfter")
+        took.append(seconds / max(before, slowdown()))
     assert min(took) < 3.0
+
+
+def test_a_page_starts_as_it_was_asked_to(two_link, open_page, tmp_path):
+    path = fp.export_html(
+        [two_link, two_link],
+        tmp_path / "a.html",
+        theme="dark",
+        ghost=False,
+        paths="whole",
+        speed=0.3,
+        loop=False,
+        layout="side by side",
+        signals=["s", "b_hat"],
+    )
+    page = open_page(path)
+    assert page.run("fotsmc.playing")
+    assert page.page.locator("html").get_attribute("data-shade") == "dark"
+    assert page.page.get_by_label("Speed").input_value() == "0.3"
+    assert page.page.get_by_label("Paths").input_value() == "whole"
+    for name in ("Loop", "Reference"):
+        assert page.page.get_by_role("button", name=name).get_attribute("aria-pressed") == "false"
+    page.page.get_by_label("Signal").select_option("b_hat")
+    assert page.page.locator("figcaption").last.text_content() == "Norm of the signal b_hat [–]"
+    assert page.complaints == []
+
+
+def test_reduced_motion_waits_for_the_reader(two_link, open_page, tmp_path):
+    path = fp.export_html(two_link, tmp_path / "a.html")
+    assert not open_page(path, reduced_motion="reduce").run("fotsmc.playing")
 
 
 BARE = """<robot name="bare">

@@ -91,10 +91,10 @@ class Run {
     }
     const rows = run.frames.t.length;
     const line = (color) => new THREE.MeshBasicMaterial({ color, toneMapped: false });
-    this.path = new Path(this.root, run.frames.tool, rows, 0.0045 * size, line(this.color));
+    this.path = new Path(this.root, run.frames.tool, rows, 0.0032 * size, line(this.color));
     if (run.frames.tool_d) {
       const grey = line(new THREE.Color(GHOST_COLOR).convertSRGBToLinear());
-      this.reference = new Path(this.root, run.frames.tool_d, rows, 0.003 * size, grey);
+      this.reference = new Path(this.root, run.frames.tool_d, rows, 0.0022 * size, grey);
     }
   }
 

@@ -16,20 +16,21 @@ class Chart {
   // content: { title, unit, lines: [{ label, color, t, y }], limits: [{ value, color }], log }
   draw(content, time) {
     this.content = content;
-    this.caption.textContent = `${content.title} [${content.unit}]`;
+    this.caption.textContent = `${content.title} [${content.unit}]${content.note ?? ""}`;
     this.plotArea.setAttribute("role", "img");
     this.plotArea.setAttribute(
       "aria-label",
       `${content.title} over time, in ${content.unit}: ${content.lines.map((l) => l.label).join(", ")}`
     );
     this.plot?.destroy();
+    this.playhead = null;
+    this.time = time;
     const limits = content.log ? [] : content.limits;
     const tables = content.lines.map(({ t, y }) => [t, content.log ? y.map(Math.abs) : y]);
     const shared = tables.every(([t]) => t === tables[0][0]);
     const data = shared ? [tables[0][0], ...tables.map(([, y]) => y)] : uPlot.join(tables);
     const span = [data[0][0], data[0][data[0].length - 1]];
-    limits.forEach(() => data.push(data[0].map(() => NaN)));
-    this.plot = new uPlot(this.options(content, limits, span), data.slice(0, 1 + tables.length), this.plotArea);
+    this.plot = new uPlot(this.options(content, limits, span), data, this.plotArea);
     this.playhead = document.createElement("div");
     this.playhead.className = "playhead";
     this.plot.over.append(this.playhead);
@@ -66,6 +67,7 @@ class Chart {
           size: 58,
           gap: 4,
           space: 26,
+          ...(content.log ? { filter: decades, grid: { ...axis.grid, filter: decades }, ticks: { ...axis.ticks, filter: decades } } : {}),
           values: (_, ticks) => ticks.map((v) => (v === null ? "" : shortNumber(v))),
         },
       ],
@@ -76,7 +78,7 @@ class Chart {
           label, stroke: color, width: 1.4, pxAlign: 0, points: { show: false }, spanGaps: true,
         })),
       ],
-      hooks: { draw: [(plot) => limits.forEach((limit) => drawLimit(plot, limit))] },
+      hooks: { draw: [(plot) => limits.forEach((limit) => drawLimit(plot, limit)), () => this.place()] },
     };
   }
 
@@ -97,8 +99,14 @@ class Chart {
 
   seek(time) {
     if (!this.plot) return;
-    this.playhead.style.transform = `translateX(${this.plot.valToPos(time, "x")}px)`;
     this.time = time;
+    this.place();
+  }
+
+  // Also after each drawing: only then has the plot its scales.
+  place() {
+    if (!this.playhead) return;
+    this.playhead.style.transform = `translateX(${this.plot.valToPos(this.time, "x")}px)`;
   }
 
   width() {
@@ -128,6 +136,10 @@ function logRange(low, high) {
   return [10 ** Math.floor(Math.log10(bottom)), 10 ** Math.ceil(Math.log10(high * 1.0001))];
 }
 
+function decades(_, splits) {
+  return splits.map((v) => (Math.abs(Math.log10(v) - Math.round(Math.log10(v))) < 1e-9 ? v : null));
+}
+
 function drawLimit(plot, { value, color }) {
   const y = plot.valToPos(value, "y", true);
   const { left, top, width, height } = plot.bbox;
@@ -147,6 +159,6 @@ function shortNumber(value, digits = 3) {
   if (value === 0) return "0";
   const size = Math.abs(value);
   if (!Number.isFinite(value)) return "–";
-  if (size < 1e-3 || size >= 1e5) return value.toExponential(Math.max(digits - 2, 0)).replace("e+", "e");
+  if (size < 1e-3 || size >= 1e5) return value.toExponential(Math.max(digits - 2, 0)).replace(".0e", "e").replace("e+", "e");
   return `${+value.toPrecision(digits)}`;
 }

@@ -97,6 +97,13 @@ class Readout {
     );
   }
 
+  limitNote() {
+    const { effort_limit: limit } = this.runs[0].run;
+    const value = this.joint >= 0 ? limit[this.joint] : limit[0];
+    const one = this.joint >= 0 || (!this.several && limit.every((other) => other === value));
+    return one && value !== null ? `, limit ±${shortNumber(value)}` : "";
+  }
+
   draw(time = this.time) {
     this.time = time;
     const { units } = this.runs[0].run;
@@ -105,7 +112,7 @@ class Readout {
     const named = (text) => (of ? of + text.toLowerCase() : text);
     const content = {
       error: { title: named("Tracking error"), unit: unit(units.position), lines: this.lines("e"), limits: [], log: this.log },
-      torque: { title: named("Torque"), unit: unit(units.effort), lines: this.lines("tau"), limits: this.limits(), log: false },
+      torque: { title: named("Torque"), unit: unit(units.effort), lines: this.lines("tau"), limits: this.limits(), log: false, note: this.limitNote() },
     };
     if (this.signal) {
       const title = this.signal === "s" ? named("Sliding variable s") : named(`Signal ${this.signal}`);
