@@ -13,6 +13,7 @@ from fotsmc_pin.cli.perturb import perturb_command
 from fotsmc_pin.cli.report import report
 from fotsmc_pin.cli.reproduce import reproduce
 from fotsmc_pin.cli.simulate import simulate
+from fotsmc_pin.cli.stress import stress
 from fotsmc_pin.errors import FotsmcError
 
 app = typer.Typer(
@@ -29,6 +30,7 @@ app.command("report")(report)
 app.command("arms")(arms_command)
 app.command("inspect")(inspect_command)
 app.command("perturb")(perturb_command)
+app.command("stress")(stress)
 
 
 def main() -> None:

@@ -40,7 +40,7 @@ def warn_of_gravity(arm: Arm, *, stacklevel: int = 2) -> None:
     if too_heavy:
         warnings.warn(
             f"{arm.name}: gravity exceeds the effort limit of {', '.join(too_heavy)}: no "
-            "controller can hold the arm in every configuration; stay where it can be held, or give "
+            "controller can hold the arm everywhere; stay where it can be held, or give "
             "load_arm(effort_limit=...) the true limits",
             GravityWarning,
             stacklevel=stacklevel + 1,

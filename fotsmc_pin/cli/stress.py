@@ -1,0 +1,120 @@
+"""`fotsmc stress`: controllers times arms in one hard scenario, as a table."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from fotsmc_pin.cli.output import Force, progress_bar, result_folder
+from fotsmc_pin.files import write_text
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from rich.table import Table
+
+    from fotsmc_pin.arms import Arm
+    from fotsmc_pin.stress_suite import StressRow
+
+SHOWN_DRAWS = 10
+
+
+def stress(
+    arms: Annotated[list[str], typer.Argument(help="URDF files, or names of `fotsmc arms`.")],
+    controller: Annotated[
+        list[str] | None, typer.Option(help="Name of a law; may be repeated. All by default.")
+    ] = None,
+    pid_trials: Annotated[
+        int, typer.Option(help="Add the best PID that this many trials find on each arm.")
+    ] = 0,
+    ablation: Annotated[
+        bool, typer.Option("--ablation", help="RobustFONFTSM without each of its ingredients.")
+    ] = False,
+    draws: Annotated[
+        int, typer.Option(help="Run RobustFONFTSM on this many random draws instead.")
+    ] = 0,
+    first_seed: Annotated[int, typer.Option(help="Seed of the first draw.")] = 0,
+    duration: Annotated[float, typer.Option(help="Simulated time of a run [s].")] = 6.0,
+    seed: Annotated[int, typer.Option(help="Seed of the noise and of the search.")] = 0,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for the table as stress.md and stress.json.")
+    ] = None,
+    force: Force = False,
+) -> None:
+    """Put arms under stress: heavier than believed, with friction, noise, delay and start error."""
+    from rich.console import Console
+
+    from fotsmc_pin.arms import load_arm
+    from fotsmc_pin.stress_suite import run_draws
+    from fotsmc_pin.stress_suite import stress as run_suite
+
+    folder = None if out is None else result_folder(out, force=force)
+    rows: list[StressRow] = []
+    seeds: list[int] = []
+    for name in arms:
+        arm = load_arm(name)
+        with progress_bar(name) as report:
+            if draws:
+                drawn = run_draws(arm, draws, first_seed=first_seed, progress=report)
+                rows += [draw.row for draw in drawn]
+                seeds += [draw.seed for draw in drawn]
+            elif ablation:
+                rows += _ablation(arm, seed, duration)
+            else:
+                rows += run_suite([arm], controller, duration=duration, seed=seed, progress=report)
+        if pid_trials:
+            with progress_bar(f"{name}: best PID") as report:
+                rows.append(_best_pid(arm, pid_trials, seed, duration, report))
+        if folder is not None:
+            _write(folder, rows, seeds)
+    console = Console()
+    console.print(_table(rows, seeds))
+    if folder is not None:
+        console.print(f"The table is kept in {folder / 'stress.md'}.")
+
+
+def _ablation(arm: Arm, seed: int, duration: float) -> list[StressRow]:
+    from fotsmc_pin.stress_suite import ablate, scenario
+    from fotsmc_pin.stress_suite.scenario import DT
+    from fotsmc_pin.stress_suite.table import run_row
+
+    case = scenario(arm, seed=seed)
+    return ablate(lambda law, label: run_row(case, law, label, duration), arm, DT)
+
+
+def _best_pid(
+    arm: Arm, trials: int, seed: int, duration: float, report: Callable[[float], None]
+) -> StressRow:
+    from fotsmc_pin.stress_suite import best_pid, scenario
+
+    case = scenario(arm, seed=seed)
+    row, gains = best_pid(case, trials=trials, seed=seed, duration=duration, progress=report)
+    shown = ", ".join(f"{name} {value:.3g}" for name, value in gains.items())
+    return replace(row, controller=f"best PID of {trials} ({shown})")
+
+
+def _table(rows: Sequence[StressRow], seeds: Sequence[int]) -> Table:
+    """Return the rows for the terminal; of draws, the ten worst."""
+    from rich.table import Table
+
+    from fotsmc_pin.stress_suite.table import COLUMNS, cells
+
+    title = f"The worst of {len(seeds)} draws" if seeds else "Stress suite"
+    table = Table(title=title, title_justify="left")
+    for k, column in enumerate((*COLUMNS, "seed") if seeds else COLUMNS):
+        table.add_column(column, justify="left" if k < 2 else "right")
+    for k, row in enumerate(rows[:SHOWN_DRAWS] if seeds else rows):
+        table.add_row(*cells(row), *([str(seeds[k])] if seeds else []))
+    return table
+
+
+def _write(folder: Path, rows: Sequence[StressRow], seeds: Sequence[int]) -> None:
+    from fotsmc_pin.stress_suite import markdown
+
+    data = [row.as_dict() | ({"seed": seeds[k]} if seeds else {}) for k, row in enumerate(rows)]
+    write_text(folder / "stress.json", json.dumps(data, indent=1) + "\n")
+    write_text(folder / "stress.md", markdown(rows))
