@@ -28,6 +28,7 @@ from .fractional import (
 )
 from .simulation import Recording as Recording, simulate as simulate
 from .analysis import Summary as Summary, summarize as summarize
+from .studies import ClosedLoop as ClosedLoop, Study as Study, study as study
 from .view import export_html as export_html, plot as plot
 
 __version__: str

@@ -58,6 +58,10 @@ class RecordingError(FotsmcError, ValueError):
     """A file is not a recording of this library, or one that is damaged."""
 
 
+class StudyError(FotsmcError, ValueError):
+    """A store of runs is not one, or what is to be run cannot be."""
+
+
 class DivergenceError(FotsmcError, ArithmeticError):
     """A simulated arm left every reasonable bound.
 

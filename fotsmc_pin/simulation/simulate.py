@@ -13,6 +13,7 @@ import numpy as np
 from fotsmc_pin import checks
 from fotsmc_pin.errors import ArgumentError, DivergenceError
 from fotsmc_pin.simulation.plant import Plant
+from fotsmc_pin.simulation.progress import reporting
 from fotsmc_pin.simulation.recorder import Recorder
 
 if TYPE_CHECKING:
@@ -116,7 +117,7 @@ def simulate(
         took = time.perf_counter() - started
         return recorder.recording(_metadata(controller, reference, options, took))
 
-    with _reporter(progress) as report:
+    with reporting(progress, "simulating") as report:
         for k in range(ticks):
             t = k * dt
             q_d, v_d, a_d = reference(t)
@@ -187,27 +188,3 @@ def _metadata(
 @cache
 def _versions() -> dict[str, str]:
     return {name: version(name) for name in ("fotsmc_pin", "pin", "numpy", "numba")}
-
-
-class _reporter:  # noqa: N801 - reads as a function
-    """Context in which progress is shown, told to a callable, or dropped."""
-
-    def __init__(self, progress: bool | Callable[[float], None]) -> None:
-        self._progress = progress
-        self._bar: Any = None
-
-    def __enter__(self) -> Callable[[float], None]:
-        if callable(self._progress):
-            return self._progress
-        if not self._progress:
-            return lambda fraction: None
-        from rich.progress import Progress
-
-        self._bar = Progress(transient=True)
-        self._bar.start()
-        task = self._bar.add_task("simulating", total=1.0)
-        return lambda fraction: self._bar.update(task, completed=fraction)
-
-    def __exit__(self, *_: object) -> None:
-        if self._bar is not None:
-            self._bar.stop()
