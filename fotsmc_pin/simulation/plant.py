@@ -10,6 +10,7 @@ import pinocchio as pin
 
 from fotsmc_pin import checks
 from fotsmc_pin.compiled import kernel, settled
+from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.simulation.dry_friction import rub
 
 if TYPE_CHECKING:
@@ -27,6 +28,8 @@ FRICTION_WIDTH = 1e-3
 """Speed over which Coulomb friction changes sign, at the least [rad/s, m/s]."""
 LARGEST_SPEED = 1e4
 """A joint that is faster than this has diverged [rad/s, m/s]."""
+STIFFEST = 1.0
+"""Largest `h D / M` of a joint for explicit steps; they are unstable from 2.8 on, and `M` moves."""
 
 # Rows of the plant's workspace.
 V0, V_STAGE, STEP, SUM_V, SUM_A, LOAD, TAU, DISTURBANCE, DAMPING, FRICTION, WIDTH, LIMIT = range(12)
@@ -44,6 +47,7 @@ class Plant:
     are implicit: joints stick and slip, and any step is stable.
 
     Attributes:
+        integrator: "rk4" or "semi-implicit".
         q: configuration (nq,), the plant's own memory.
         v: velocity (nv,), the plant's own memory.
         tau: torque at the joints within the arm's effort limits (nv,), the plant's own memory.
@@ -57,7 +61,7 @@ class Plant:
         *,
         dt: float,
         substeps: int = 1,
-        integrator: str = "rk4",
+        integrator: str | None = None,
         disturbance: Disturbance | None = None,
     ) -> None:
         """Put the arm at `q0`, `v0` at time 0.
@@ -69,16 +73,19 @@ class Plant:
             dt: period of a tick [s].
             substeps: integration steps in a tick.
             integrator: "rk4" (fourth order) or "semi-implicit" (Euler, first order, symplectic;
-                friction implicit).
+                friction implicit). By default "rk4", unless damping is too strong for its steps.
             disturbance: `t -> (nv,)`, torque added at the joints [N·m, N].
 
         Raises:
             ArgumentError: naming the argument, its value and the remedy.
         """
         self._substeps = checks.count("substeps", substeps)
-        rk4 = checks.choice("integrator", integrator, INTEGRATORS) == "rk4"
-        self._advance = self._rk4 if rk4 else self._semi_implicit
         self._arm, self._model, self._data = arm, arm.model, arm.model.createData()
+        h = dt / self._substeps
+        lightest = self._lightest(np.array(q0))
+        self.integrator = self._suitable(integrator, h * arm.damping / lightest)
+        rk4 = self.integrator == "rk4"
+        self._advance = self._rk4 if rk4 else self._semi_implicit
         self._acceleration: Array = self._data.ddq
         self._disturbance = disturbance
         self._euclidean = arm.is_euclidean
@@ -92,8 +99,7 @@ class Plant:
         self._rubs = not rk4 and bool(np.any(arm.friction) or np.any(arm.damping))
         if rk4:
             work[DAMPING], work[FRICTION] = arm.damping, arm.friction
-        h = dt / self._substeps
-        work[WIDTH] = np.maximum(FRICTION_WIDTH, arm.friction * h / self._lightest(self.q))
+        work[WIDTH] = np.maximum(FRICTION_WIDTH, arm.friction * h / lightest)
         work[LIMIT] = arm.effort_limit
         self._begin = settled(begin, work)
         self._arguments = (self._acceleration, work, positions, self._euclidean)
@@ -155,6 +161,18 @@ class Plant:
         """Move a configuration that is no plain vector by the tangent step of the workspace."""
         if not self._euclidean:
             self.q[:] = pin.integrate(self._model, self.q, self._step)
+
+    def _suitable(self, integrator: str | None, stiffness: Array) -> str:
+        """Return the integrator that was asked for, or the one that the damping bears."""
+        stiff = float(stiffness.max(initial=0.0))
+        if integrator is None:
+            return "semi-implicit" if stiff > STIFFEST else "rk4"
+        if checks.choice("integrator", integrator, INTEGRATORS) == "rk4" and stiff > STIFFEST:
+            joint = self._arm.joint_names[int(stiffness.argmax())]
+            needed = math.ceil(self._substeps * stiff / STIFFEST)
+            remedy = f"the damping of {joint} wants substeps={needed}, or 'semi-implicit'"
+            raise ArgumentError("integrator", integrator, remedy)
+        return integrator
 
     def _lightest(self, q: Array) -> Array:
         """Inertia (nv,) that each joint shows when all others are free, at `q`."""

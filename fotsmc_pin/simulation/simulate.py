@@ -57,7 +57,7 @@ def simulate(
     sensor: Sensor | None = None,
     actuator: Actuator | None = None,
     substeps: int = 1,
-    integrator: str = "rk4",
+    integrator: str | None = None,
     record_every: int = 1,
     progress: bool | Callable[[float], None] = False,
 ) -> Recording:
@@ -79,7 +79,8 @@ def simulate(
         sensor: `(t, q, v) -> (q, v)`, what the controller is told of the true state.
         actuator: `(t, tau) -> tau`, what becomes of the controller's torque.
         substeps: integration steps in a tick.
-        integrator: "rk4" or "semi-implicit".
+        integrator: "rk4" or "semi-implicit"; by default "rk4", unless the arm's damping is too
+            strong for its steps.
         record_every: ticks from one recorded row to the next.
         progress: True shows a bar on the terminal; a callable is told the fraction done.
 
@@ -113,7 +114,7 @@ def simulate(
     started = time.perf_counter()
 
     def recording() -> Recording:
-        options = {"duration": duration, "substeps": substeps, "integrator": integrator}
+        options = {"duration": duration, "substeps": substeps, "integrator": plant.integrator}
         took = time.perf_counter() - started
         return recorder.recording(_metadata(controller, reference, options, took))
 

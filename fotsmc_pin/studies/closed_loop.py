@@ -44,7 +44,7 @@ class ClosedLoop:
         dt: period of a tick [s].
         duration: simulated time [s].
         substeps: integration steps in a tick.
-        integrator: "rk4" or "semi-implicit".
+        integrator: "rk4" or "semi-implicit"; by default what the damping bears.
         start_error: start error of every joint [rad, m].
         mass_scale: factor on the true masses and inertias.
         inertia_scale: factor on the true rotational inertias.
@@ -62,7 +62,7 @@ class ClosedLoop:
     dt: float = 1e-3
     duration: float = 10.0
     substeps: int = 1
-    integrator: str = "rk4"
+    integrator: str | None = None
     start_error: float = 0.0
     mass_scale: Any = 1.0
     inertia_scale: Any = 1.0
