@@ -13,7 +13,7 @@ from fotsmc_pin.view.curves import thinned_curves
 from fotsmc_pin.view.framing import Framing, framing
 from fotsmc_pin.view.meshes import GRID_STEPS, Mesh, thinned
 from fotsmc_pin.view.motion import Motion, frame_rows, motion
-from fotsmc_pin.view.palette import RUN_COLORS
+from fotsmc_pin.view.palette import GHOST_COLOR, RUN_COLORS
 from fotsmc_pin.view.visuals import Visual, visuals_of
 
 if TYPE_CHECKING:
@@ -213,4 +213,5 @@ def _view(shots: Sequence[Shot]) -> dict[str, Any]:
         "floor": floor,
         "reach": max(shot.framing.reach for shot in shots),
         "direction": shots[0].framing.direction.tolist(),
+        "ghost_color": GHOST_COLOR,
     }

@@ -15,14 +15,12 @@ from fotsmc_pin.simulation import Recording
 from fotsmc_pin.view.document import Shot, document, shots_of
 from fotsmc_pin.view.pack import Pack
 from fotsmc_pin.view.page import facts_list, page
-from fotsmc_pin.view.palette import RUN_COLORS
+from fotsmc_pin.view.palette import GHOST_COLOR, RUN_COLORS
 
 Recordings: TypeAlias = (
     Recording | str | PathLike[str] | Sequence[Recording] | Mapping[str, Recording]
 )
 """A recording, the path of a saved one, several, or several by name."""
-
-GHOST_COLOR = "#35a3e0"
 
 
 def export_html(

@@ -14,3 +14,6 @@ COLORS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, BLACK)
 
 # Runs in a page are seen on light and on dark ground.
 RUN_COLORS = ("#E0661A", "#12A378", "#C76BA0", "#C99700", "#7A7FE0", "#8A8F98")
+
+# The reference, in the 3D view and its legend.
+GHOST_COLOR = "#35a3e0"

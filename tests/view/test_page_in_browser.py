@@ -265,3 +265,32 @@ def test_an_arm_without_visuals_shows_something(make_recording, open_page, outpu
     page.run("fotsmc.links().forEach(link => fotsmc.showLink(link, false))")
     assert page.run("fotsmc.capture()") != whole
     assert page.complaints == []
+
+
+def test_arms_of_different_kinds_are_compared_joint_by_joint(
+    two_link, make_recording, open_page, tmp_path
+):
+    other = make_recording(fp.load_arm("ur5"), duration=0.5)
+    page = open_page(fp.export_html([two_link, other], tmp_path / "a.html", play=False))
+    choice = page.page.get_by_label("Show")
+    assert choice.locator("option").all_text_contents() == [
+        "All joints (norm)",
+        "Joint 1",
+        "Joint 2",
+    ]
+    choice.select_option("Joint 2")
+    page.run("fotsmc.seek(0.25)")
+    cells = page.page.locator("tbody td:first-of-type").all_text_contents()
+    expected = [two_link.e[250, 1], other.e[250, 1]]
+    np.testing.assert_allclose([float(cell) for cell in cells], expected, rtol=1e-2)
+    assert page.complaints == []
+
+
+def test_a_long_run_tells_exact_numbers_at_its_frames(make_recording, open_page, tmp_path):
+    run = make_recording(fp.load_arm("two_link"), duration=30.0)
+    page = open_page(fp.export_html(run, tmp_path / "a.html", play=False))
+    times = page.run("fotsmc.times()")
+    for frame in (3, len(times) // 2, len(times) - 1):
+        row = np.argmin(np.abs(run.t - times[frame]))
+        shown = page.run("t => fotsmc.torque(t)", times[frame])
+        np.testing.assert_allclose(shown, run.tau[row], rtol=1e-5, atol=1e-5)

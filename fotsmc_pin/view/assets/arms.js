@@ -59,12 +59,13 @@ class Path {
 }
 
 class Run {
-  constructor(scene, run, several, size) {
+  constructor(scene, run, several, { size, view }) {
     this.run = run;
     this.root = new THREE.Group();
     this.root.position.fromArray(run.offset);
     scene.add(this.root);
     this.color = new THREE.Color(run.color).convertSRGBToLinear();
+    const ghostColor = new THREE.Color(view.ghost_color).convertSRGBToLinear();
     this.shown = true;
     const paints = new Map();
     const paint = (rgba, image) => {
@@ -80,7 +81,7 @@ class Run {
       body.add(mesh);
     });
     if (run.frames.ghost) {
-      const layers = ghostMaterials();
+      const layers = ghostMaterials(ghostColor);
       this.ghost = new Figure(this.root, run, run.frames.ghost, (visual, body) => {
         layers.forEach((material, layer) => {
           const mesh = new THREE.Mesh(visual.geometry, material);
@@ -93,8 +94,8 @@ class Run {
     const line = (color) => new THREE.MeshBasicMaterial({ color, toneMapped: false });
     this.path = new Path(this.root, run.frames.tool, rows, 0.0032 * size, line(this.color));
     if (run.frames.tool_d) {
-      const grey = line(new THREE.Color(GHOST_COLOR).convertSRGBToLinear());
-      this.reference = new Path(this.root, run.frames.tool_d, rows, 0.0022 * size, grey);
+      const thin = 0.0022 * size;
+      this.reference = new Path(this.root, run.frames.tool_d, rows, thin, line(ghostColor));
     }
   }
 
@@ -112,8 +113,6 @@ class Run {
     if (this.reference) this.reference.grow(place, asked ? paths : "off");
   }
 }
-
-const GHOST_COLOR = "#35a3e0";
 
 // `image` is what `loadImages` made of a picture, or null.
 function linkMaterial([red, green, blue, alpha], tint, image) {
@@ -151,11 +150,11 @@ async function loadImages(meshes) {
 
 // The first layer fills only the depth, so that of the second just the nearest surface shows. Both
 // lie a little behind their true place: where arm and ghost agree, the arm is what is seen.
-function ghostMaterials() {
+function ghostMaterials(ghostColor) {
   const shift = { polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 8 };
   const depth = new THREE.MeshBasicMaterial({ colorWrite: false, transparent: true, ...shift });
   const color = new THREE.MeshStandardMaterial({
-    color: new THREE.Color(GHOST_COLOR).convertSRGBToLinear(),
+    color: ghostColor,
     transparent: true,
     opacity: 0.4,
     depthWrite: false,

@@ -15,7 +15,7 @@ async function start() {
   const several = data.runs.length > 1;
   const runs = data.runs.map((run) => {
     run.visuals.forEach((visual) => Object.assign(visual, { mesh: data.meshes[visual.mesh], geometry: data.meshes[visual.mesh].geometry }));
-    return new Run(stage.root, run, several, stage.size);
+    return new Run(stage.root, run, several, stage);
   });
   const look = { time: 0, ghost: data.options.ghost, paths: data.options.paths };
   const readout = new Readout(page, runs, (time) => player.seek(time));

@@ -28,7 +28,7 @@ class Readout {
   controls() {
     const { jointSelect, signalSelect, logButton } = this.page;
     const all = this.several ? "All joints (norm)" : "All joints";
-    const joints = this.runs[0].run.joints;
+    const joints = this.sharedJoints();
     const option = (value, text) => Object.assign(document.createElement("option"), { value, textContent: text });
     jointSelect.append(option(-1, all), ...joints.map((name, j) => option(j, name)));
     jointSelect.addEventListener("change", () => this.choose(Number(jointSelect.value)));
@@ -43,6 +43,14 @@ class Readout {
       logButton.setAttribute("aria-pressed", this.log);
       this.draw();
     });
+  }
+
+  // Names of the joints that can be chosen; different arms share no more than numbers.
+  sharedJoints() {
+    const [first, ...others] = this.runs.map(({ run }) => run.joints);
+    if (others.every((names) => names.join() === first.join())) return first;
+    const count = Math.min(first.length, ...others.map((names) => names.length));
+    return Array.from({ length: count }, (_, j) => `Joint ${j + 1}`);
   }
 
   choose(joint) {
@@ -70,7 +78,7 @@ class Readout {
         .filter(({ j }) => this.joint < 0 || names.length <= this.joint || j === this.joint);
     }
     return this.runs
-      .filter((run) => run.shown && table(run))
+      .filter((run) => run.shown && table(run)?.length > Math.max(this.joint, 0) * rows(run))
       .map((run) => ({
         label: run.run.name, color: run.run.color, t: run.run.charts.t,
         y: this.joint < 0 ? norm(table(run), rows(run)) : column(table(run), this.joint, rows(run)),
