@@ -14,6 +14,7 @@ from fotsmc_pin.cli.report import report
 from fotsmc_pin.cli.reproduce import reproduce
 from fotsmc_pin.cli.simulate import simulate
 from fotsmc_pin.cli.stress import stress
+from fotsmc_pin.cli.study import study_command
 from fotsmc_pin.errors import FotsmcError
 
 app = typer.Typer(
@@ -31,6 +32,7 @@ app.command("arms")(arms_command)
 app.command("inspect")(inspect_command)
 app.command("perturb")(perturb_command)
 app.command("stress")(stress)
+app.command("study")(study_command)
 
 
 def main() -> None:

@@ -1,5 +1,6 @@
 """Seeing a run: the offline Meshcat page, and figures for papers."""
 
+from fotsmc_pin.view.distribution import distribution_figure
 from fotsmc_pin.view.export import export_html
 from fotsmc_pin.view.figures import (
     comparison_figure,
@@ -15,6 +16,7 @@ from fotsmc_pin.view.style import new_figure, paper_style, save_figure
 
 __all__ = [
     "comparison_figure",
+    "distribution_figure",
     "export_html",
     "new_figure",
     "overview_figure",

@@ -1,0 +1,102 @@
+"""`fotsmc study`: the same run many times, over a grid and random draws."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from fotsmc_pin.cli.output import Force, progress_bar, result_folder
+
+if TYPE_CHECKING:
+    from fotsmc_pin.studies import ClosedLoop, Study
+    from fotsmc_pin.studies.result import Row
+
+STORE = "study.sqlite"
+
+
+def study_command(
+    file: Annotated[Path, typer.Argument(help="A TOML file; see examples/panda_study.toml.")],
+    out: Annotated[Path | None, typer.Option(help="Folder for the results.")] = None,
+    jobs: Annotated[int, typer.Option(help="Processes; -1 for one per core.")] = -1,
+    scheduler: Annotated[
+        str | None, typer.Option(help="Address of a Dask scheduler, such as tcp://host:8786.")
+    ] = None,
+    figure: Annotated[str, typer.Option(help="The figure to judge by.")] = "tail_rms_error",
+    retry_failed: Annotated[
+        bool, typer.Option("--retry-failed", help="Run those again that failed.")
+    ] = False,
+    force: Force = False,
+) -> None:
+    """Run a study; one that was interrupted goes on where it was.
+
+    The folder gets the store of all runs, the distribution of one figure, and the worst run with
+    its page.
+    """
+    from rich.console import Console
+
+    from fotsmc_pin.studies import read_study, study
+
+    run, arguments = read_study(file)
+    folder = out or Path("out") / file.stem
+    if force or not (folder / STORE).is_file():
+        result_folder(folder, force=force)
+        for old in folder.glob(f"{STORE}*"):
+            old.unlink()
+    with progress_bar(file.stem) as report:
+        found = study(
+            run,
+            **arguments,
+            jobs=jobs,
+            store=folder / STORE,
+            scheduler=scheduler,
+            retry_failed=retry_failed,
+            progress=report,
+        )
+    console = Console()
+    for row in found.failed[:5]:
+        console.print(f"failed: {dict(row.parameters)}: {row.error}", markup=False)
+    if found.succeeded:
+        _show(console, found, list(arguments["grid"]), figure, folder)
+        _keep_worst(run, found.worst(figure), folder)
+        console.print(f"All {len(found)} runs are in {folder / STORE}, {len(found.failed)} failed.")
+        console.print(f"Open {folder / 'worst.html'} in a browser: the worst run.")
+    else:
+        console.print(f"All {len(found)} runs failed.")
+        raise typer.Exit(1)
+
+
+def _show(console: object, found: Study, names: list[str], figure: str, folder: Path) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    from fotsmc_pin.studies import Study
+    from fotsmc_pin.view import distribution_figure, save_figure
+
+    groups: dict[str, Study] = {}
+    for row in found.succeeded:
+        name = ", ".join(str(row.parameters[name]) for name in names) or "all runs"
+        groups[name] = Study((*groups.get(name, Study(())).rows, row))
+    table = Table(title=figure, title_justify="left")
+    table.add_column("group")
+    for column in ("runs", "5 %", "median", "95 %", "worst"):
+        table.add_column(column, justify="right")
+    for name, group in groups.items():
+        quantiles = (f"{value:.4g}" for value in group.quantiles(figure))
+        table.add_row(name, str(len(group)), *quantiles)
+    if isinstance(console, Console):
+        console.print(table)
+    values = {name: group.figure(figure) for name, group in groups.items()}
+    save_figure(
+        distribution_figure(values, figure.replace("_", " "), "SI units"), folder / "distribution"
+    )
+
+
+def _keep_worst(run: ClosedLoop, row: Row, folder: Path) -> None:
+    from fotsmc_pin.view import export_html, plot
+
+    rec = run.record(row.parameters, row.seed)
+    rec.save(folder / "worst.npz")
+    plot(rec, folder / "worst")
+    export_html(rec, folder / "worst.html")

@@ -1,0 +1,53 @@
+"""How a figure is spread over many runs."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fotsmc_pin.errors import ArgumentError
+from fotsmc_pin.view.palette import COLORS
+from fotsmc_pin.view.style import new_figure, paper_style
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from matplotlib.figure import Figure
+    from numpy.typing import ArrayLike
+
+
+def distribution_figure(
+    groups: Mapping[str, ArrayLike], quantity: str, unit: str, *, scale: float = 1.0
+) -> Figure:
+    """Return the share of runs that stay at or below each value, one curve for each group.
+
+    The empirical distribution hides no run and needs no bins: the dot at its end is the worst
+    case. A curve that ends below 100 % belongs to runs whose value is infinite.
+
+    Args:
+        groups: name of a group, and the value of each of its runs.
+        quantity: what is shown.
+        unit: its unit after scaling.
+        scale: factor from the values to that unit.
+
+    Raises:
+        ArgumentError: a group without runs.
+    """
+    figure, axes = new_figure(width="column", row_height=2.4)
+    panel = axes[0, 0]
+    with paper_style():
+        for color, (name, given) in zip(COLORS * len(groups), groups.items(), strict=False):
+            values = np.sort(np.asarray(given, dtype=np.float64))
+            if not values.size:
+                raise ArgumentError("groups", name, "give at least one run")
+            share = 100.0 * np.arange(1, values.size + 1) / values.size
+            finite = np.isfinite(values)
+            x, y = scale * values[finite], share[finite]
+            panel.step(x, y, where="post", color=color, label=f"{name} ({values.size})")
+            panel.plot(x[-1:], y[-1:], "o", color=color, markersize=3.5)
+        panel.set_xlabel(f"{quantity} [{unit}]")
+        panel.set_ylabel("runs at or below [%]")
+        panel.set_ylim(0.0, 102.0)
+        panel.legend(loc="lower right")
+    return figure
