@@ -59,7 +59,8 @@ def shots_of(
         arm = recording.arm
         rows = frame_rows(recording.t, rate)
         moves = [motion(arm, recording.q[rows]), motion(arm, recording.q_d[rows])]
-        looks.setdefault(arm, visuals_of(arm))
+        if arm not in looks:
+            looks[arm] = visuals_of(arm)
         view = framing(arm, looks[arm], moves)
         offset = np.zeros(3)
         if side_by_side:
