@@ -79,17 +79,18 @@ def weight_sum(exponent: float, differences: bool, samples: int, tolerance: floa
     # errors of merged slow rates by up to 16/β.
     share = 0.1 * exponent / 16 if differences else 0.1
     aim = 2 * tolerance
-    certificate = math.inf
+    certificate = reached = math.inf
     while certificate > tolerance:
         aim /= 2
         if aim < 0.03 * tolerance:
-            raise ArgumentError("tolerance", tolerance, f"give at least {2 * certificate:.1g}")
+            raise ArgumentError("tolerance", tolerance, f"give at least {5 * reached:.1g}")
         step = trapezoid_step(exponent + differences, aim)
         rates, weights = trapezoid(exponent, 1e18, 1e-18 / samples, step)
         rates, weights = merge_slow_rates(rates, weights, samples, exponent, share * aim)
         rates, weights = _merge_fast_rates(rates, weights, exponent, aim, differences)
         refuse_too_many(rates.size, step, samples)
         certificate = _largest_relative_error(rates, weights, exponent, samples, differences)
+        reached = min(reached, certificate)
     for array in (rates, weights):
         array.setflags(write=False)
     return WeightSum(

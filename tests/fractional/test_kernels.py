@@ -78,3 +78,15 @@ def test_repr_shows_the_certificate(scheme):
     assert 0 < operator.certificate <= operator.tolerance
     assert f"{operator.certificate:.2g}" in repr(operator)
     assert f"{operator.certificate:.2g}" in repr(operator.kernel)
+
+
+@pytest.mark.parametrize("differences", [False, True])
+@pytest.mark.parametrize("exponent", [0.01, 0.02, 0.05, 0.1, 0.3, 0.9])
+def test_weights_that_cannot_be_reached_name_a_tolerance_that_can(exponent, differences):
+    try:
+        found = weight_sum(exponent, differences, 10**6, 1e-11)
+    except ArgumentError as refused:
+        tolerance = float(refused.remedy.split("at least ")[1])
+        assert tolerance <= 5e-8
+        found = weight_sum(exponent, differences, 10**6, tolerance)
+    assert found.certificate <= found.tolerance
