@@ -1,0 +1,79 @@
+"""A recording comes back from its file as it was, and no other file passes for one."""
+
+import numpy as np
+import pytest
+
+from fotsmc_pin.control import LinearSMC
+from fotsmc_pin.errors import RecordingError
+from fotsmc_pin.references import Sinusoid
+from fotsmc_pin.simulation import Recording, simulate
+
+
+@pytest.fixture
+def rec(arm):
+    return simulate(arm, LinearSMC(arm, 1e-3), Sinusoid.inside_limits(arm), 0.02)
+
+
+def test_a_recording_survives_its_file(rec, tmp_path):
+    rec.save(tmp_path / "run.npz")
+    again = Recording.load(tmp_path / "run.npz")
+    for name in ("t", "q", "v", "q_d", "v_d", "e", "ed", "tau"):
+        np.testing.assert_array_equal(getattr(again, name), getattr(rec, name))
+    assert again.signals.keys() == rec.signals.keys()
+    for name, signal in rec.signals.items():
+        np.testing.assert_array_equal(again.signals[name], signal)
+    assert again.arm == rec.arm
+    assert again.metadata == rec.metadata
+    assert len(again) == len(rec) == 21
+
+
+def test_the_file_holds_no_pickle(rec, tmp_path):
+    rec.save(tmp_path / "run.npz")
+    with np.load(tmp_path / "run.npz", allow_pickle=False) as file:
+        assert all(file[name].dtype != object for name in file.files)
+
+
+def test_metadata_tells_how_the_run_was_made(rec):
+    about = rec.metadata
+    assert about["controller"] == "LinearSMC"
+    assert about["preset"] == "sign"
+    assert about["gains"]["Lambda"] == 10.0
+    assert about["dt"] == 1e-3
+    assert about["duration"] == 0.02
+    assert set(about["versions"]) >= {"python", "fotsmc_pin", "pin", "numpy", "numba"}
+
+
+def test_the_error_is_the_tangent_from_the_reference(rec):
+    for q_d, q, e in zip(rec.q_d, rec.q, rec.e, strict=True):
+        np.testing.assert_allclose(e, rec.arm.difference(q_d, q), atol=1e-15)
+    np.testing.assert_array_equal(rec.ed, rec.v - rec.v_d)
+    np.testing.assert_allclose(rec.error_norm, np.linalg.norm(rec.e, axis=1))
+
+
+def test_other_files_are_refused(tmp_path, rec):
+    whole = tmp_path / "run.npz"
+    rec.save(whole)
+    names = ("foreign.npz", "cut.npz", "text.npz", "bent.npz")
+    foreign, cut, text, bent = (tmp_path / name for name in names)
+    np.savez(foreign, t=np.arange(3))
+    cut.write_bytes(whole.read_bytes()[:-200])
+    text.write_text("no recording")
+    content = bytearray(whole.read_bytes())
+    content[len(content) // 2] ^= 0xFF
+    bent.write_bytes(content)
+    for path in (foreign, cut, text, bent):
+        with pytest.raises(RecordingError, match=path.name):
+            Recording.load(path)
+    with pytest.raises(FileNotFoundError):
+        Recording.load(tmp_path / "none.npz")
+
+
+def test_a_failed_save_leaves_the_old_file(tmp_path, rec):
+    path = tmp_path / "run.npz"
+    rec.save(path)
+    before = path.read_bytes()
+    rec.metadata["unsaved"] = object()
+    with pytest.raises(TypeError):
+        rec.save(path)
+    assert path.read_bytes() == before
+    assert [file.name for file in tmp_path.iterdir()] == ["run.npz"]
