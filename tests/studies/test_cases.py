@@ -1,0 +1,84 @@
+"""What is run: every point of the grid, all with the same reproducible draws."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fotsmc_pin import Uniform
+from fotsmc_pin.errors import ArgumentError
+from fotsmc_pin.studies.cases import Case, cases
+
+GRID = {"law": ["a", "b"], "alpha": [0.1, 0.2, 0.3]}
+DRAWS = {"mass": Uniform(0.5, 2.0), "arm": ["long", "short"]}
+
+
+def test_every_point_of_the_grid_meets_the_same_draws():
+    made = cases(GRID, DRAWS, 4, 7)
+    assert len(made) == 6 * 4
+    points = {(case.parameters["law"], case.parameters["alpha"]) for case in made}
+    assert len(points) == 6
+    per_point = {}
+    for case in made:
+        point = (case.parameters["law"], case.parameters["alpha"])
+        drawn = (case.parameters["mass"], case.parameters["arm"], case.seed)
+        per_point.setdefault(point, []).append(drawn)
+    assert all(drawn == per_point["a", 0.1] for drawn in per_point.values())
+    assert len(set(per_point["a", 0.1])) == 4
+
+
+@given(seed=st.integers(0, 2**40), few=st.integers(1, 5), more=st.integers(1, 5))
+def test_more_repeats_go_on_where_fewer_ended(seed, few, more):
+    assert cases({}, DRAWS, few, seed) == cases({}, DRAWS, few + more, seed)[:few]
+
+
+def test_another_name_changes_no_draw():
+    alone = cases({}, {"mass": DRAWS["mass"]}, 5, 1)
+    together = cases({}, DRAWS, 5, 1)
+    assert [c.parameters["mass"] for c in alone] == [c.parameters["mass"] for c in together]
+
+
+def test_draws_stay_inside_their_bounds_and_fill_them():
+    drawn = np.array([c.parameters["mass"] for c in cases({}, DRAWS, 400, 3)])
+    assert drawn.min() >= 0.5
+    assert drawn.max() <= 2.0
+    assert abs(drawn.mean() - 1.25) < 4 * 1.5 / np.sqrt(12 * 400)
+
+
+def test_arrays_are_lists_of_values():
+    made = cases({"x": np.linspace(0.0, 1.0, 3)}, {}, 1, 0)
+    assert [case.parameters["x"] for case in made] == [0.0, 0.5, 1.0]
+
+
+def test_the_key_tells_runs_parameters_and_seeds_apart():
+    case = Case(parameters={"x": 1.0, "y": 2.0}, seed=1)
+    assert case.key("run") == Case(parameters={"y": 2.0, "x": 1.0}, seed=1).key("run")
+    others = {
+        case.key("other run"),
+        Case(parameters={"x": 1.0, "y": 2.5}, seed=1).key("run"),
+        Case(parameters={"x": 1.0, "y": 2.0}, seed=2).key("run"),
+    }
+    assert len(others | {case.key("run")}) == 4
+
+
+@pytest.mark.parametrize(
+    ("grid", "draws", "repeats", "seed", "named"),
+    [
+        ({"x": []}, {}, 1, 0, "grid 'x'"),
+        ({"x": "word"}, {}, 1, 0, "grid 'x'"),
+        ({"x": 1.0}, {}, 1, 0, "grid 'x'"),
+        ({"x": [object()]}, {}, 1, 0, "grid 'x'"),
+        ({"x": [float("nan")]}, {}, 1, 0, "grid 'x'"),
+        ({"x": Uniform(0, 1)}, {}, 1, 0, "grid 'x'"),
+        ({}, {"x": 3.0}, 1, 0, "draws 'x'"),
+        ({"x": [1]}, {"x": [1]}, 1, 0, "draws"),
+        ({}, {}, 0, 0, "repeats"),
+        ({}, {}, 1, -1, "seed"),
+    ],
+)
+def test_what_cannot_be_run_is_named(grid, draws, repeats, seed, named):
+    with pytest.raises(ArgumentError) as refusal:
+        cases(grid, draws, repeats, seed)
+    assert refusal.value.argument == named
