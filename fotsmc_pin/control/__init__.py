@@ -4,13 +4,17 @@ from fotsmc_pin.control.adaptive_fonftsm import AdaptiveFONFTSM
 from fotsmc_pin.control.computed_torque import ComputedTorque
 from fotsmc_pin.control.continuous_tsm import ContinuousTSM
 from fotsmc_pin.control.controller import Controller
+from fotsmc_pin.control.differentiator import ExactDifferentiator, FilteredDifferentiator
 from fotsmc_pin.control.fonftsm import FONFTSM
 from fotsmc_pin.control.fractional_switching_smc import FractionalSwitchingSMC
+from fotsmc_pin.control.friction_compensation import FrictionCompensation
 from fotsmc_pin.control.gravity_check import GravityWarning, warn_of_gravity
 from fotsmc_pin.control.linear_smc import LinearSMC
 from fotsmc_pin.control.nonsingular_tsm import NonsingularTSM
 from fotsmc_pin.control.paper_condition import PaperConditionWarning
 from fotsmc_pin.control.robust_fonftsm import RobustFONFTSM
+from fotsmc_pin.control.safeguard import Safeguard
+from fotsmc_pin.control.soft_start import SoftStart
 from fotsmc_pin.control.super_twisting_smc import SuperTwistingSMC
 from fotsmc_pin.control.tde_fontsm import TDEFONTSM
 from fotsmc_pin.control.terminal_smc import TerminalSMC
@@ -38,13 +42,18 @@ __all__ = [
     "ComputedTorque",
     "ContinuousTSM",
     "Controller",
+    "ExactDifferentiator",
     "FONFTSM",
+    "FilteredDifferentiator",
     "FractionalSwitchingSMC",
+    "FrictionCompensation",
     "GravityWarning",
     "LinearSMC",
     "NonsingularTSM",
     "PaperConditionWarning",
     "RobustFONFTSM",
+    "Safeguard",
+    "SoftStart",
     "SuperTwistingSMC",
     "TDEFONTSM",
     "TerminalSMC",

@@ -1,0 +1,171 @@
+"""`Safeguard`: what stands between any controller and real drives."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fotsmc_pin import checks
+from fotsmc_pin.control.soft_start import SoftStart
+from fotsmc_pin.errors import MeasurementError
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from fotsmc_pin.control.controller import Controller
+    from fotsmc_pin.control.friction_compensation import FrictionCompensation
+    from fotsmc_pin.control.gains import Array
+
+SETTLING = 10.0
+"""Damping of the safe stop over the joint's inertia: speed dies in a tenth of a second [1/s]."""
+
+
+class Safeguard:
+    """Wraps a controller: soft start, torque-rate limit, watchdog and safe stop.
+
+    It has the face of a controller (`dt`, `update`, `reset`, `signals`) and works with all of them.
+    A stop is latched: torque goes over from the last one to gravity compensation and damping,
+
+        τ = (1 - ρ) τ_last + ρ (G0(q) - 10/s diag(M0(q)) v),   ρ = 0 … 1 over `stop_ramp`,
+
+    so that the arm comes to rest and floats. It begins when `stop` is called, when a measurement is
+    not usable, when a tick comes later than `watchdog`, or when a joint is faster than
+    `speed_margin` times its limit. Only `reset` ends it.
+
+    Attributes:
+        controller: what is wrapped.
+        stopped: why the safe stop is on, in plain words; None while all is well.
+    """
+
+    def __init__(
+        self,
+        controller: Controller,
+        *,
+        soft_start: float = 1.0,
+        torque_rate: ArrayLike | None = None,
+        friction_compensation: FrictionCompensation | None = None,
+        watchdog: float | None = None,
+        speed_margin: float = 1.2,
+        stop_ramp: float = 0.3,
+    ) -> None:
+        """Wrap a controller.
+
+        Args:
+            controller: any controller.
+            soft_start: time over which the start error is faded out of the reference [s].
+            torque_rate: largest rate of each torque [N·m/s, N/s], the safe stop included; None for
+                no limit.
+            friction_compensation: is added to the torque.
+            watchdog: longest time between two ticks before a safe stop [s]; ten ticks if None.
+            speed_margin: share of the arm's speed limits at which a safe stop begins.
+            stop_ramp: time in which a safe stop takes over [s].
+
+        Raises:
+            ArgumentError: a number out of its bounds.
+        """
+        self.controller, self.arm, self.dt = controller, controller.arm, controller.dt
+        self._lead = SoftStart(self.arm, soft_start)
+        self._rate = (
+            None
+            if torque_rate is None
+            else checks.per_joint("torque_rate", torque_rate, self.arm.nv, above=0.0)
+        )
+        self._friction = friction_compensation
+        default = 10.0 * self.dt if watchdog is None else watchdog
+        self.watchdog = checks.finite_number("watchdog", default, above=0.0)
+        margin = checks.finite_number("speed_margin", speed_margin, above=0.0)
+        self._fastest = margin * self.arm.velocity_limit
+        self.stop_ramp = checks.finite_number("stop_ramp", stop_ramp, at_least=0.0)
+        self.reset()
+
+    @property
+    def signals(self) -> dict[str, Array]:
+        """The controller's signals."""
+        return self.controller.signals
+
+    @property
+    def gains(self) -> Any:
+        """The controller's gains."""
+        return self.controller.gains
+
+    def reset(self) -> None:
+        """End a stop and begin anew, softly, from wherever the arm is."""
+        self.controller.reset()
+        self._lead.reset()
+        self.stopped: str | None = None
+        self._ramp = 0.0
+        self._tau = np.zeros(self.arm.nv)
+        self._before_stop = self._tau
+        self._q: Array | None = None
+
+    def stop(self, reason: str = "asked for") -> None:
+        """Begin a safe stop; the next `update` is its first tick."""
+        if self.stopped is None:
+            self.stopped, self._ramp, self._before_stop = reason, 0.0, self._tau.copy()
+
+    def update(
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        q_d: ArrayLike,
+        v_d: ArrayLike,
+        a_d: ArrayLike,
+        dt: float | None = None,
+    ) -> Array:
+        """Advance by one tick; arguments and result are those of `Controller.update`.
+
+        An unusable measurement begins a safe stop and is not raised. Until a usable one comes
+        again, the last usable position stands in, at rest.
+        """
+        period = self.dt if dt is None else dt
+        if not 0.0 < period <= self.watchdog:
+            self.stop(f"a tick of {period:g} s, the watchdog allows {self.watchdog:g} s")
+            period, dt = self.dt, None
+        tau = self._guarded(q, v, q_d, v_d, a_d, period, dt)
+        if self.stopped is not None:
+            tau = self._safe_stop(q, v, period)
+        if self._rate is not None:
+            step = self._rate * period
+            tau = np.clip(tau, self._tau - step, self._tau + step)
+        self._tau = np.clip(tau, -self.arm.effort_limit, self.arm.effort_limit)
+        return self._tau.copy()
+
+    def _guarded(
+        self, q: Any, v: Any, q_d: Any, v_d: Any, a_d: Any, period: float, dt: float | None
+    ) -> Array:
+        """Return the controller's torque, or begin a stop."""
+        if self.stopped is not None:
+            return self._tau
+        try:
+            speed = checks.finite_vector("v", v, self.arm.nv)
+            if (np.abs(speed) > self._fastest).any():
+                joint = self.arm.joint_names[int(np.argmax(np.abs(speed) - self._fastest))]
+                self.stop(f"{joint} is faster than its limit allows")
+                return self._tau
+            target = self._lead.lead(q, speed, q_d, v_d, a_d, period)
+            tau = self.controller.update(q, speed, *target, dt=dt)
+        except (MeasurementError, ValueError) as error:
+            self.stop(f"measurement: {error}")
+            return self._tau
+        if self._friction is not None:
+            tau = tau + self._friction.torque(target[1])
+        self._q = np.array(q, dtype=np.float64)
+        return tau
+
+    def _safe_stop(self, q: ArrayLike, v: ArrayLike, period: float) -> Array:
+        """Return one tick of the way to gravity compensation and damping."""
+        try:
+            place = checks.finite_vector("q", q, self.arm.nq)
+            speed = checks.finite_vector("v", v, self.arm.nv)
+            speed = np.clip(speed, -self._fastest, self._fastest)
+            self._q = place
+        except ValueError:
+            speed = np.zeros(self.arm.nv)
+        if self._q is None:
+            return np.zeros(self.arm.nv)
+        damping = SETTLING * np.diag(self.arm.mass_matrix(self._q))
+        rest = self.arm.gravity(self._q) - damping * speed
+        self._ramp = min(1.0, self._ramp + (period / self.stop_ramp if self.stop_ramp else 1.0))
+        torque: Array = (1.0 - self._ramp) * self._before_stop + self._ramp * rest
+        return torque
