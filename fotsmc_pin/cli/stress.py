@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -31,6 +32,12 @@ def stress(
     pid_trials: Annotated[
         int, typer.Option(help="Add the best PID that this many trials find on each arm.")
     ] = 0,
+    pid_variation: Annotated[
+        float,
+        typer.Option(
+            help="Bound on that PID's torque variation, over RobustFONFTSM's; 0 for none."
+        ),
+    ] = 2.0,
     ablation: Annotated[
         bool, typer.Option("--ablation", help="RobustFONFTSM without each of its ingredients.")
     ] = False,
@@ -68,7 +75,7 @@ def stress(
                 rows += run_suite([arm], controller, duration=duration, seed=seed, progress=report)
         if pid_trials:
             with progress_bar(f"{name}: best PID") as report:
-                rows.append(_best_pid(arm, pid_trials, seed, duration, report))
+                rows.append(_best_pid(arm, pid_trials, pid_variation, seed, duration, report))
         if folder is not None:
             _write(folder, rows, seeds)
     console = Console()
@@ -87,12 +94,31 @@ def _ablation(arm: Arm, seed: int, duration: float) -> list[StressRow]:
 
 
 def _best_pid(
-    arm: Arm, trials: int, seed: int, duration: float, report: Callable[[float], None]
+    arm: Arm,
+    trials: int,
+    variation: float,
+    seed: int,
+    duration: float,
+    report: Callable[[float], None],
 ) -> StressRow:
+    from fotsmc_pin.control import RobustFONFTSM
     from fotsmc_pin.stress_suite import best_pid, scenario
+    from fotsmc_pin.stress_suite.scenario import DT
+    from fotsmc_pin.stress_suite.table import run_row
 
     case = scenario(arm, seed=seed)
-    row, gains = best_pid(case, trials=trials, seed=seed, duration=duration, progress=report)
+    largest = math.inf
+    if variation > 0.0:
+        rival = run_row(case, RobustFONFTSM(arm, DT), "", duration)
+        largest = variation * rival.torque_variation
+    row, gains = best_pid(
+        case,
+        trials=trials,
+        seed=seed,
+        duration=duration,
+        largest_variation=largest,
+        progress=report,
+    )
     shown = ", ".join(f"{name} {value:.3g}" for name, value in gains.items())
     return replace(row, controller=f"best PID of {trials} ({shown})")
 

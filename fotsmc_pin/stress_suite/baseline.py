@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 from fotsmc_pin.control import ComputedTorque
@@ -19,6 +20,8 @@ SEARCH_SPACE = {
     "ki": Span(low=1.0, high=1e7, logarithmic=True),
 }
 """Where the gains of the PID are looked for: three to seven decades each."""
+STEEPNESS = 4
+"""Power with which torque variation beyond its bound counts against a set of gains."""
 PENALTY = 10.0
 """Cost of a run that diverged [rad]."""
 
@@ -29,6 +32,7 @@ def best_pid(
     trials: int = TRIALS,
     seed: int = 0,
     duration: float = DURATION,
+    largest_variation: float = math.inf,
     progress: Callable[[float], None] | None = None,
 ) -> tuple[StressRow, dict[str, float]]:
     """Search the PID gains with the smallest tail RMS error on the scenario itself.
@@ -40,6 +44,8 @@ def best_pid(
         trials: how many sets of gains are tried, the law's own PID preset first.
         seed: of the search.
         duration: simulated time of each run [s].
+        largest_variation: torque variation that the PID may have [N·m/s]; without a bound the
+            search ends at the edge of stability, where the drives hum with the noise.
         progress: is told the fraction done.
 
     Returns:
@@ -53,7 +59,9 @@ def best_pid(
         return run_row(case, ComputedTorque(case.arm, DT, **gains), "best PID", duration)
 
     def cost(gains: dict[str, float]) -> float:
-        return min(judged(gains).tail_rms_error, PENALTY)
+        row = judged(gains)
+        excess = max(1.0, row.torque_variation / largest_variation)
+        return min(row.tail_rms_error * excess**STEEPNESS, PENALTY)
 
     start = {name: float(value) for name, value in ComputedTorque.presets["pid"].items()}
     best = minimize(cost, SEARCH_SPACE, start=start, trials=trials, seed=seed, progress=progress)
