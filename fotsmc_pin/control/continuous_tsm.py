@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ContinuousTSMGains(Gains):
-    """Gains of `ContinuousTSM`.
+    """Gains of `ContinuousTSM`. By default its stiffness is that of `LinearSMC`.
 
     Attributes:
         beta: gain `β` of the surface.
@@ -31,7 +31,7 @@ class ContinuousTSMGains(Gains):
 
     beta: Array = per_joint(0.3, "rad^(1-γ) s^γ", above=0.0)
     gamma: float = scalar(1.4, above=1.0, below=2.0)
-    K1: Array = per_joint(20.0, "1/s²", at_least=0.0)
+    K1: Array = per_joint(100.0, "1/s²", at_least=0.0)
     K2: Array = per_joint(20.0, "rad^(1-ρ)/s²", at_least=0.0)
     rho: float = scalar(0.6, above=0.0, below=1.0)
 

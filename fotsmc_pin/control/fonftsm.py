@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from fotsmc_pin.control.gains import Array
 
 INERTIA = ("inside", "outside")
+START = ("caputo", "from_rest")
 
 PRACTICAL: dict[str, Any] = {
     "inertia": "outside",
@@ -34,6 +35,7 @@ PRACTICAL: dict[str, Any] = {
     "switching": "tanh",
     "boundary_layer": 0.05,
     "tempering": 3.0,
+    "start": "from_rest",
 }
 """Gains that need no tuning to the arm's inertia, and obey `1 < p/q < 2`."""
 
@@ -56,6 +58,9 @@ class SurfaceGains(Gains):
             commanded acceleration followed by inverse dynamics, so that gains do not depend on the
             arm (reading R5). Then `B0 + B1 ‖v‖` bounds an acceleration.
         tempering: `σ`; both operators fade with `e^{-σt}`. 0 is the paper's.
+        start: "caputo", `ė(0)` does not enter `D^α ė`, which leaves an error of about
+            `ė(0) t^{-α} / (A Γ(1-α))` after a start in motion (reading R7; the paper starts at
+            rest); or "from_rest", `ė` is taken to have been 0 a tick before the first.
         memory_horizon: time over which the operators' memory is certified [s].
     """
 
@@ -70,6 +75,7 @@ class SurfaceGains(Gains):
     boundary_layer: Array = per_joint(0.1, "rad s^-(1+α)", above=0.0)
     inertia: str = option("inside", INERTIA)
     tempering: float = scalar(0.0, "1/s", at_least=0.0)
+    start: str = option("caputo", START)
     memory_horizon: float = scalar(1e3, "s", above=0.0, tuned=False)
 
 
@@ -137,6 +143,17 @@ class FONFTSM(Controller):
             self._work,
             self._tau,
         )
+
+        self._take_start()
+
+    def reset(self) -> None:
+        """Forget everything: the controller is as it was when it was made."""
+        super().reset()
+        self._take_start()
+
+    def _take_start(self) -> None:
+        if self.gains.start == "from_rest":
+            self._derivative.update(np.zeros(self.arm.nv))
 
     def _first_bounds(self) -> Array:
         return np.array([self.gains.B0, self.gains.B1])

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class NonsingularTSMGains(Gains):
-    """Gains of `NonsingularTSM`.
+    """Gains of `NonsingularTSM`. By default its stiffness is that of `LinearSMC`.
 
     Attributes:
         beta: gain `β` of the surface.
@@ -32,10 +32,10 @@ class NonsingularTSMGains(Gains):
 
     beta: Array = per_joint(0.3, "rad^(1-γ) s^γ", above=0.0)
     gamma: float = scalar(1.4, above=1.0, below=2.0)
-    K: Array = per_joint(10.0, "1/s²", at_least=0.0)
+    K: Array = per_joint(100.0, "1/s²", at_least=0.0)
     eta: Array = per_joint(5.0, "rad/s²", at_least=0.0)
     switching: str = option("sign", SWITCHING)
-    boundary_layer: Array = per_joint(0.02, "rad", above=0.0)
+    boundary_layer: Array = per_joint(0.01, "rad", above=0.0)
 
 
 class NonsingularTSM(AccelerationLaw):

@@ -45,6 +45,8 @@ def operators(n, alpha, tempering=0.0):
 
 def fonftsm(g, n):
     derivative, integral = operators(n, g.alpha, g.tempering)
+    if g.start == "from_rest":
+        derivative.update(np.zeros(n))
     inside = g.inertia == "inside"
     if hasattr(g, "B0"):
         B = np.array([g.B0, g.B1])

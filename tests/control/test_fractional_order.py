@@ -5,12 +5,16 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from fotsmc_pin.analysis import surface_decay
+from fotsmc_pin.arms import load_arm
 from fotsmc_pin.control import (
     FONFTSM,
     AdaptiveFONFTSM,
     FractionalSwitchingSMC,
     LinearSMC,
 )
+from fotsmc_pin.references import Hold
+from fotsmc_pin.simulation import simulate
 
 ORDERS = (1e-2, 1e-3, 1e-4)
 
@@ -101,3 +105,16 @@ def test_two_ticks_of_half_a_period_see_what_the_clock_says(law, arms, make):
     change = np.abs(even).max()
     assert np.abs(jittered - even).max() < 0.1 * change
     assert np.abs(unaware - even).max() > 0.1 * change
+
+
+def test_a_start_in_motion_leaves_a_tail_only_where_its_speed_is_forgotten(make):
+    """Reading R7: Caputo's derivative forgets `ė(0)`, and the error pays for it with `t^{-α}`."""
+    arm = load_arm("two_link", effort_limit=1e6)
+    errors = {}
+    for start in ("caputo", "from_rest"):
+        controller = make(FONFTSM, arm, start=start)
+        rec = simulate(arm, controller, Hold(arm), 3.0, v0=[1.0, 0.0])
+        errors[start] = rec.e[-1, 0]
+    tail = surface_decay(3.0, alpha=0.1, a=12.0, e_start=0.0, ed_start=1.0)[0]
+    assert errors["caputo"] == pytest.approx(tail, rel=0.2)
+    assert abs(errors["from_rest"]) < 0.05 * tail
