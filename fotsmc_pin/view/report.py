@@ -40,9 +40,10 @@ def write_report(
     """Write one HTML file about a folder of results; it holds everything and fetches nothing.
 
     The folder is one that `fotsmc simulate` or `fotsmc reproduce` has written, or any that holds
-    saved recordings (`*.npz`). The report shows the animation, a table of figures, the verdicts on
-    a paper's claims (`claims.md`), the figures (`*.svg`; drawn from the runs where there are none),
-    and what was run: arm and what `perturb` did to it, controller, gains, versions.
+    saved recordings (`*.npz`). The report shows the animation, a table of metrics, the verdicts on
+    a paper's claims (`claims.md`), how laws compare (`comparison.md`), the figures (`*.svg`; drawn
+    from the runs where there are none), and what was run: arm and what `perturb` did to it,
+    controller, gains, versions.
 
     Args:
         folder: folder of results.
@@ -62,7 +63,8 @@ def write_report(
     sections = {
         "Animation": _animation(results.runs),
         "Metrics": metrics_table(results.summaries, results.titles),
-        "Claims": prose(re.sub(r"\A# .*\n", "", results.claims), top=2),
+        "Claims": prose(results.claims),
+        "Comparison": prose(results.comparison),
         "Figures": _figures(results),
         "What was run": facts(results.runs),
     }

@@ -6,6 +6,8 @@ import html
 import math
 from typing import TYPE_CHECKING, Any
 
+from fotsmc_pin.view.prose import scrolling
+
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
@@ -40,7 +42,7 @@ def metrics_table(summaries: Mapping[str, Mapping[str, Any]], titles: Mapping[st
         + "</tr>"
         for name, summary in summaries.items()
     ]
-    return _scrolling(
+    return scrolling(
         "Table of metrics",
         f'<table><thead><tr><th scope="col">run</th>{head}</tr></thead>'
         f"<tbody>{''.join(rows)}</tbody></table>",
@@ -95,7 +97,9 @@ def _number(value: Any, scale: float) -> str:
         number = scale * float(value)
     except (TypeError, ValueError):
         return html.escape(str(value))
-    return "never" if math.isinf(number) else f"{number:.3g}"
+    if math.isinf(number):
+        return "never"
+    return f"{number:.0f}" if abs(number) >= 1000.0 else f"{number:.3g}"
 
 
 def _text(value: Any) -> str:
@@ -104,8 +108,3 @@ def _text(value: Any) -> str:
     if isinstance(value, (list, tuple)):
         return ", ".join(_text(item) for item in value)
     return str(value)
-
-
-def _scrolling(label: str, table: str) -> str:
-    """Let a wide table scroll on its own, by keyboard too."""
-    return f'<div class="wide" role="region" aria-label="{label}" tabindex="0">{table}</div>'

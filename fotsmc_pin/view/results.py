@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -27,6 +28,7 @@ class Results:
             kept only the figures.
         titles: what to call a run of `summaries`, where its name alone says too little.
         claims: text of `claims.md`, empty where there is none.
+        comparison: text of `comparison.md`, empty where there is none.
         pictures: figures in SVG.
     """
 
@@ -35,6 +37,7 @@ class Results:
     summaries: Mapping[str, Mapping[str, Any]]
     titles: Mapping[str, str]
     claims: str
+    comparison: str
     pictures: tuple[Path, ...]
 
 
@@ -57,13 +60,13 @@ def read_results(folder: str | os.PathLike[str]) -> Results:
         summaries = {name: summarize(rec).as_dict() for name, rec in runs.items()}
         if len(runs) == 1:
             summaries[next(iter(runs))] |= metrics  # type: ignore[operator]
-    claims = place / "claims.md"
     return Results(
         folder=place,
         runs=runs,
         summaries=summaries,
         titles=metrics.get("experiments", {}),
-        claims=claims.read_text("utf-8") if claims.is_file() else "",
+        claims=_text(place / "claims.md"),
+        comparison=_text(place / "comparison.md"),
         pictures=tuple(path for path in files if path.suffix == ".svg"),
     )
 
@@ -78,3 +81,9 @@ def _metrics(path: Path) -> dict[str, Any]:
     if not isinstance(metrics, dict) or not isinstance(metrics.get("runs", {}), dict):
         raise RecordingError(f"{path}: not a file of figures by name")
     return metrics
+
+
+def _text(path: Path) -> str:
+    """Return the file's text without its title, empty where there is no such file."""
+    text = path.read_text("utf-8") if path.is_file() else ""
+    return re.sub(r"\A# .*\n", "", text)

@@ -82,6 +82,14 @@ def test_prose_is_escaped_and_nested_under_the_page():
     assert shown.count("<li>") == 3
 
 
+def test_a_comparison_stands_as_a_table(folder):
+    lines = ["# Laws", "", "## UR5", "", "| law | RMS |", "|---|---:|", "| <new> | 0.5 |"]
+    (folder / "comparison.md").write_text("\n".join(lines), "utf-8")
+    page = write_report(folder).read_text("utf-8")
+    assert '<th scope="row">&lt;new&gt;</th><td>0.5</td>' in page
+    assert "Laws" not in page
+
+
 def test_own_figures_of_the_folder_are_inlined(folder):
     fp.plot(fp.Recording.load(folder / "run.npz"), folder / "my_torques.svg", kind="torque")
     page = write_report(folder).read_text("utf-8")
