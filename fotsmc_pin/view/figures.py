@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
+from fotsmc_pin.checks import choice
 from fotsmc_pin.view.curves import thinned_curves
 from fotsmc_pin.view.palette import BLACK, COLORS, VERMILLION
 from fotsmc_pin.view.style import label_axis, label_time, new_figure, paper_style
@@ -142,24 +143,49 @@ def overview_figure(recording: Recording) -> Figure:
 
 
 def comparison_figure(
-    recordings: Mapping[str, Recording], joints: Sequence[int] | None = None
+    recordings: Mapping[str, Recording],
+    joints: Sequence[int] | None = None,
+    quantities: Sequence[str] = ("error", "torque"),
 ) -> Figure:
-    """Tracking error (left) and torque (right) of several runs in common axes; a row per joint."""
+    """Several runs in common axes: a row per joint, a column per quantity.
+
+    Args:
+        recordings: name -> run; all of arms with the same joints.
+        joints: which joints; None takes all.
+        quantities: out of "error", "velocity error" and "torque".
+    """
     first = next(iter(recordings.values()))
     joints = _joints(first, joints)
-    figure, axes = new_figure(len(joints), 2, width="page")
+    figure, axes = new_figure(len(joints), len(quantities), width="page")
     with paper_style():
-        for (left, right), joint in zip(axes, joints, strict=True):
-            for index, (name, recording) in enumerate(recordings.items()):
-                style = line_style(index)
-                draw(left, recording.t, recording.e[:, joint], label=name, **style)
-                draw(right, recording.t, recording.tau[:, joint], **{**style, "linewidth": 0.8})
-            label_axis(left, f"error, {_name(first, joint)}", first.arm.position_units[joint])
-            label_axis(right, "torque", first.arm.effort_units[joint])
-            draw_limits(right, first, joint)
-        axes[0, 0].legend(loc="best")
+        for row, joint in zip(axes, joints, strict=True):
+            for panel, quantity in zip(row, quantities, strict=True):
+                for index, (name, recording) in enumerate(recordings.items()):
+                    values = _quantity(recording, quantity)[:, joint]
+                    draw(panel, recording.t, values, label=name, **line_style(index))
+                label_axis(panel, quantity, _quantity_unit(first, quantity, joint))
+                if quantity == "torque":
+                    draw_limits(panel, first, joint)
+            row[0].set_title(_name(first, joint), loc="left")
+        figure.legend(
+            *axes[0, 0].get_legend_handles_labels(),
+            loc="outside upper center",
+            ncols=min(len(recordings), 5),
+        )
         label_time(axes)
     return figure
+
+
+def _quantity(recording: Recording, quantity: str) -> Floats:
+    tables = {"error": recording.e, "velocity error": recording.ed, "torque": recording.tau}
+    return tables[choice("quantities", quantity, [*tables])]
+
+
+def _quantity_unit(recording: Recording, quantity: str, joint: int) -> str:
+    if quantity == "torque":
+        return recording.arm.effort_units[joint]
+    unit = recording.arm.position_units[joint]
+    return f"{unit}/s" if quantity == "velocity error" else unit
 
 
 def draw(axes: Axes, t: Floats, values: Floats, **style: Any) -> None:
