@@ -44,8 +44,8 @@ class Sinusoid:
     amplitude: Vector
     period: Vector
     ramp: float = 2.0
+    _omega: Vector = field(init=False, repr=False)
     _plain: bool = field(init=False, repr=False)
-    _swings: Vector = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         """Check the numbers."""
@@ -57,17 +57,22 @@ class Sinusoid:
             finite_number("period", value, above=0.0)
         object.__setattr__(self, "period", period)
         object.__setattr__(self, "ramp", finite_number("ramp", self.ramp, at_least=0.0))
+        object.__setattr__(self, "_omega", 2.0 * np.pi / period)
         object.__setattr__(self, "_plain", self.arm.is_euclidean)
-        object.__setattr__(self, "_swings", np.array([self.amplitude, 2.0 * np.pi / period]))
 
     def __call__(self, t: float) -> tuple[Vector, Vector, Vector]:
         """Return `q_d` (nq,), `v_d` (nv,) and `a_d` (nv,) at time `t` [s], all fresh arrays."""
-        motion = np.empty((3, self.amplitude.size))
+        q_d, v_d, a_d = self.at(np.array([t], dtype=np.float64))
+        return q_d[0], v_d[0], a_d[0]
+
+    def at(self, t: Vector) -> tuple[Vector, Vector, Vector]:
+        """Return `q_d` (N, nq), `v_d` and `a_d` (N, nv) at the times `t` (N,) [s]."""
+        motion = np.empty((3, len(t), self.amplitude.size))
+        swing(t, self.ramp, self.amplitude, self._omega, motion)
+        x, v_d, a_d = motion[0], motion[1], motion[2]
         if self._plain:
-            swing(t, self.ramp, self._swings, self.center, motion)
-            return motion[0], motion[1], motion[2]
-        swing(t, self.ramp, self._swings, np.zeros(self.arm.nv), motion)
-        return self.arm.integrate(self.center, motion[0]), motion[1], motion[2]
+            return self.center + x, v_d, a_d
+        return np.array([self.arm.integrate(self.center, row) for row in x]), v_d, a_d
 
     @classmethod
     def inside_limits(
@@ -159,15 +164,16 @@ def _easy_center(arm: Arm, amplitude: float, fraction: float) -> Vector:
 
 
 @kernel
-def swing(t: float, ramp: float, swings: Vector, center: Vector, motion: Vector) -> None:
-    """Write position, velocity and acceleration; the rows of `swings` are amplitude and `ω`."""
-    f, fd, fdd = fade_in(t, ramp)
-    for j in range(center.size):
-        amplitude, omega = swings[0, j], swings[1, j]
-        sine, cosine = math.sin(omega * t), math.cos(omega * t)
-        motion[0, j] = center[j] + amplitude * f * sine
-        motion[1, j] = amplitude * (fd * sine + f * omega * cosine)
-        motion[2, j] = amplitude * (fdd * sine + 2.0 * fd * omega * cosine - f * omega**2 * sine)
+def swing(t: Vector, ramp: float, amplitude: Vector, omega: Vector, motion: Vector) -> None:
+    """Write displacement, velocity and acceleration, each (N, nv), into `motion`."""
+    for k in range(t.size):
+        f, fd, fdd = fade_in(t[k], ramp)
+        for j in range(amplitude.size):
+            w = omega[j]
+            sine, cosine = math.sin(w * t[k]), math.cos(w * t[k])
+            motion[0, k, j] = amplitude[j] * f * sine
+            motion[1, k, j] = amplitude[j] * (fd * sine + f * w * cosine)
+            motion[2, k, j] = amplitude[j] * (fdd * sine + 2.0 * fd * w * cosine - f * w**2 * sine)
 
 
 @kernel

@@ -2,71 +2,77 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pinocchio as pin
 
-from fotsmc_pin.compiled import kernel, strict
+from fotsmc_pin.compiled import kernel, settled
 from fotsmc_pin.simulation.recording import Recording
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fotsmc_pin.arms import Arm
+    from fotsmc_pin.simulation.plant import Plant
 
     Array = NDArray[np.float64]
 
 
-class State(Protocol):
-    """What is recorded of a plant: live arrays."""
-
-    q: Array
-    v: Array
-    tau: Array
-
-
 class Recorder:
-    """Rows of state, reference, torque and the controller's signals, one for each recorded tick.
+    """Rows of state, torque and the controller's signals, and the reference beside them.
 
-    A controller's `live_signals`, arrays that each tick writes anew, are read where it has them;
-    otherwise its `signals`, which may cost a copy each.
+    A row is copied in one call from the arrays in which the plant and the controller keep these
+    numbers: a controller's `live_signals`, where it has them. Otherwise its `signals` are asked
+    for at each row, which may cost a copy each.
     """
 
-    def __init__(self, arm: Arm, t: Array, controller: object) -> None:
-        """Make room for a row at each time in `t`."""
-        self._arm, self._t, self._controller, self._filled = arm, t, controller, 0
-        # Columns: q, v, q_d, v_d, tau.
-        self._table = np.zeros((len(t), 2 * arm.nq + 3 * arm.nv))
-        strict(note, *6 * [self._table[0]])
-        self._signals = {
-            name: np.zeros((len(t), np.size(value)))
-            for name, value in getattr(controller, "signals", {}).items()
-        }
+    def __init__(
+        self, arm: Arm, plant: Plant, controller: object, *, dt: float, ticks: int, stride: int
+    ) -> None:
+        """Make room for a row at every `stride`-th of `ticks` ticks of `dt` seconds."""
+        self._arm, self._controller, self._stride, self._filled = arm, controller, stride, 0
+        self._t = dt * np.arange(0.0, ticks, stride)
+        size = len(self._t)
+        self._q_d, self._v_d = np.zeros((size, arm.nq)), np.zeros((size, arm.nv))
+        shown = getattr(controller, "signals", {})
         live = getattr(controller, "live_signals", {})
-        self._live = [(self._signals[name], signal) for name, signal in live.items()]
+        self._names = tuple(name for name in shown if is_flat(live.get(name)))
+        self._asked = {
+            name: np.zeros((size, np.size(value)))
+            for name, value in shown.items()
+            if name not in self._names
+        }
+        self._live = (plant.q, plant.v, plant.tau, *(live[name] for name in self._names))
+        self._table = np.zeros((size, sum(part.size for part in self._live)))
+        self._note = settled(note, self._table[0], self._live)
 
-    def add(self, plant: State, q_d: Array, v_d: Array) -> None:
+    def expect(self, tick: int, q_d: Array, v_d: Array) -> None:
+        """Write the reference of the ticks from `tick` on, a row each."""
+        stride = self._stride
+        skipped = -tick % stride
+        rows = slice((tick + skipped) // stride, (tick + len(q_d) - 1) // stride + 1)
+        self._q_d[rows], self._v_d[rows] = q_d[skipped::stride], v_d[skipped::stride]
+
+    def add(self) -> None:
         """Write the next row."""
         k = self._filled
-        row = self._table[k]
-        try:
-            note(row, plant.q, plant.v, q_d, v_d, plant.tau)
-        except TypeError:  # a reference of lists, or of other kinds of numbers
-            q_d, v_d = np.array(q_d, dtype=np.float64), np.array(v_d, dtype=np.float64)
-            note(row, plant.q, plant.v, q_d, v_d, plant.tau)
-        for rows, signal in self._live:
-            rows[k] = signal
-        if self._signals and not self._live:
-            for name, value in self._controller.signals.items():  # type: ignore[attr-defined]
-                self._signals[name][k] = value
+        self._note(self._table[k], self._live)
+        if self._asked:
+            signals: dict[str, Array] = self._controller.signals  # type: ignore[attr-defined]
+            for name, rows in self._asked.items():
+                rows[k] = signals[name]
         self._filled = k + 1
 
     def recording(self, metadata: dict[str, Any]) -> Recording:
         """Return all rows so far."""
-        n, nq, nv = self._filled, self._arm.nq, self._arm.nv
-        parts = np.split(self._table[:n], np.cumsum([nq, nv, nq, nv]), axis=1)
-        q, v, q_d, v_d, tau = map(np.ascontiguousarray, parts)
+        n = self._filled
+        ends = np.cumsum([0, *(part.size for part in self._live)]).tolist()
+        parts = [self._table[:n, start:end].copy() for start, end in pairwise(ends)]
+        (q, v, tau), live = parts[:3], dict(zip(self._names, parts[3:], strict=True))
+        q_d, v_d = self._q_d[:n], self._v_d[:n]
+        asked = {name: rows[:n] for name, rows in self._asked.items()}
         return Recording(
             t=self._t[:n],
             q=q,
@@ -76,10 +82,21 @@ class Recorder:
             e=errors(self._arm, q_d, q),
             ed=v - v_d,
             tau=tau,
-            signals={name: rows[:n] for name, rows in self._signals.items()},
+            signals=live | asked,
             arm=self._arm,
             metadata=metadata,
         )
+
+
+def is_flat(signal: object) -> bool:
+    """Return whether a signal is a plain vector of floats, which `note` copies."""
+    return (
+        isinstance(signal, np.ndarray)
+        and signal.dtype == np.float64
+        and signal.ndim == 1
+        and signal.flags.c_contiguous
+        and signal.flags.writeable
+    )
 
 
 def errors(arm: Arm, q_d: Array, q: Array) -> Array:
@@ -91,10 +108,10 @@ def errors(arm: Arm, q_d: Array, q: Array) -> Array:
 
 
 @kernel
-def note(row: Array, q: Array, v: Array, q_d: Array, v_d: Array, tau: Array) -> None:
+def note(row: Array, parts: tuple[Array, ...]) -> None:
     """Write the parts one after the other into `row`."""
     start = 0
-    for part in (q, v, q_d, v_d, tau):
-        for k in range(len(part)):
+    for part in parts:
+        for k in range(part.size):
             row[start + k] = part[k]
-        start += len(part)
+        start += part.size

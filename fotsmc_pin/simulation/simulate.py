@@ -15,6 +15,7 @@ from fotsmc_pin.errors import ArgumentError, DivergenceError
 from fotsmc_pin.simulation.plant import Plant
 from fotsmc_pin.simulation.progress import reporting
 from fotsmc_pin.simulation.recorder import Recorder
+from fotsmc_pin.simulation.targets import targets
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -29,6 +30,10 @@ if TYPE_CHECKING:
     Reference = Callable[[float], tuple[Array, Array, Array]]
     Sensor = Callable[[float, Array, Array], tuple[Array, Array]]
     Actuator = Callable[[float, Array], Array]
+
+
+CHUNK = 256
+"""Ticks whose reference is evaluated at once."""
 
 
 class Law(Protocol):
@@ -71,7 +76,9 @@ def simulate(
         arm: the true arm; its effort limits, friction and damping act.
         controller: anything with `dt`, `update` and `reset`; its `signals`, if any, are
             recorded.
-        reference: `t -> (q_d, v_d, a_d)`, shapes (nq,), (nv,), (nv,).
+        reference: `t -> (q_d, v_d, a_d)`, shapes (nq,), (nv,), (nv,); a function of time alone,
+            which is evaluated for some ticks ahead. Where it has a method `at` that takes many
+            times (N,) and returns (N, nq), (N, nv), (N, nv), that is asked instead.
         duration: simulated time [s].
         q0: configuration at the start (nq,); the reference's by default.
         v0: velocity at the start (nv,); the reference's by default.
@@ -110,7 +117,7 @@ def simulate(
             reset()
 
     ticks = round(duration / dt) + 1
-    recorder = Recorder(arm, dt * np.arange(0.0, ticks, stride), controller)
+    recorder = Recorder(arm, plant, controller, dt=dt, ticks=ticks, stride=stride)
     started = time.perf_counter()
 
     def recording() -> Recording:
@@ -119,29 +126,31 @@ def simulate(
         return recorder.recording(_metadata(controller, reference, options, took))
 
     with reporting(progress, "simulating") as report:
-        for k in range(ticks):
-            t = k * dt
-            q_d, v_d, a_d = reference(t)
-            q, v = (plant.q, plant.v) if sensor is None else sensor(t, plant.q, plant.v)
-            tau = controller.update(q, v, q_d, v_d, a_d)
-            if actuator is not None:
-                tau = actuator(t, tau)
-            plant.load(t, tau)
-            if k % stride == 0:
-                recorder.add(plant, q_d, v_d)
-            lost = plant.hold(t, dt)
-            if lost >= 0:
-                joint = arm.joint_names[lost]
-                raise DivergenceError(
-                    f"the simulation diverged at t = {t + dt:.4g} s: joint {joint!r} reached "
-                    f"{plant.v[lost]:.3g} {arm.position_units[lost]}/s; try more substeps, a "
-                    "shorter tick, or lower gains",
-                    t + dt,
-                    joint,
-                    recording(),
-                )
-            if k % 256 == 0:
-                report(k / ticks)
+        for first in range(0, ticks, CHUNK):
+            report(first / ticks)
+            instants = dt * np.arange(first, min(first + CHUNK, ticks), dtype=np.float64)
+            wanted = targets(reference, instants, arm)
+            recorder.expect(first, *wanted[:2])
+            rows = zip(instants.tolist(), *wanted, strict=True)
+            for k, (t, q_d, v_d, a_d) in enumerate(rows, first):
+                q, v = (plant.q, plant.v) if sensor is None else sensor(t, plant.q, plant.v)
+                tau = controller.update(q, v, q_d, v_d, a_d)
+                if actuator is not None:
+                    tau = actuator(t, tau)
+                plant.load(t, tau)
+                if k % stride == 0:
+                    recorder.add()
+                lost = plant.hold(t, dt)
+                if lost >= 0:
+                    joint = arm.joint_names[lost]
+                    raise DivergenceError(
+                        f"the simulation diverged at t = {t + dt:.4g} s: joint {joint!r} reached "
+                        f"{plant.v[lost]:.3g} {arm.position_units[lost]}/s; try more substeps, a "
+                        "shorter tick, or lower gains",
+                        t + dt,
+                        joint,
+                        recording(),
+                    )
         report(1.0)
     return recording()
 
