@@ -18,6 +18,7 @@ from .control import (
     LinearSMC as LinearSMC,
     NonsingularTSM as NonsingularTSM,
     RobustFONFTSM as RobustFONFTSM,
+    Safeguard as Safeguard,
     SuperTwistingSMC as SuperTwistingSMC,
     TDEFONTSM as TDEFONTSM,
     TerminalSMC as TerminalSMC,
@@ -29,6 +30,8 @@ from .fractional import (
 from .simulation import Recording as Recording, simulate as simulate
 from .analysis import Summary as Summary, summarize as summarize
 from .studies import ClosedLoop as ClosedLoop, Study as Study, study as study
+from .stress_suite import stress as stress
+from .realtime import run_realtime as run_realtime
 from .view import export_html as export_html, plot as plot
 
 __version__: str

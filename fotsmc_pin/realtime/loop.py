@@ -1,0 +1,166 @@
+"""`run_realtime`: a fixed-rate loop against a robot, or a plant that runs in wall-clock time.
+
+This is the template to copy: read, update, write, sleep until the next tick, and stop safely.
+"""
+
+from __future__ import annotations
+
+import gc
+import signal
+import time
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from fotsmc_pin import checks
+from fotsmc_pin.realtime.timing import Timing, percentiles
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from numpy.typing import NDArray
+
+    from fotsmc_pin.control import Safeguard
+
+    Array = NDArray[np.float64]
+    Reference = Callable[[float], tuple[Array, Array, Array]]
+
+SPIN = 2e-4
+"""The end of the wait for a tick is spent awake: a sleep may last this much too long [s]."""
+
+
+class Robot(Protocol):
+    """What the loop needs of a robot, or of something that stands in for one."""
+
+    def read(self) -> tuple[Array, Array]:
+        """Return the measured `q` (nq,) and `v` (nv,)."""
+        ...
+
+    def write(self, tau: Array) -> None:
+        """Command the torque (nv,) [N·m, N]."""
+        ...
+
+
+def run_realtime(
+    controller: Safeguard,
+    robot: Robot,
+    reference: Reference,
+    duration: float,
+    *,
+    stop_time: float = 1.0,
+    observe: Callable[[float, Array, Array, Array], None] | None = None,
+) -> Timing:
+    """Run a controller at its rate against a robot, in wall-clock time.
+
+    Each tick is due at a multiple of `controller.dt` since the start, so that lateness does not
+    add up; a tick that comes so late that others were due too takes their place. The controller is
+    told the measured period. Ctrl-C, and SIGTERM, begin the safe stop of the controller, which is
+    given `stop_time` before the loop ends; so does the end of the run, and so does any exception
+    on the way, which is raised after it. The last torque is that of the safe stop.
+
+    Args:
+        controller: a controller in its `Safeguard`.
+        robot: what is read and written.
+        reference: `t -> (q_d, v_d, a_d)`.
+        duration: how long to follow it [s].
+        stop_time: how long the safe stop is run at the end [s].
+        observe: is told `t, q, v, tau` of every tick, after the torque was written; to be quick.
+
+    Raises:
+        ArgumentError: a duration that is not above 0.
+    """
+    dt = controller.dt
+    checks.finite_number("duration", duration, at_least=dt)
+    checks.finite_number("stop_time", stop_time, at_least=0.0)
+    controller.reset()
+    size = int((duration + stop_time) / dt) + 2
+    latency, compute = np.zeros(size), np.zeros(size)
+    missed = ticks = 0
+    began_to_stop: float | None = None
+    failure: BaseException | None = None
+    with _signals_stop(controller), _no_garbage_collection():
+        start = last = time.perf_counter()
+        due = 0.0
+        while ticks < size:
+            now = _wait_until(start + due)
+            t = now - start
+            if began_to_stop is None and (controller.stopped is not None or t >= duration):
+                controller.stop("the end of the run")
+                began_to_stop = t
+            if began_to_stop is not None and t >= began_to_stop + stop_time:
+                break
+            try:
+                q, v = robot.read()
+                target = reference(min(t, duration))
+                before = time.perf_counter()
+                tau = controller.update(q, v, *target, dt=now - last if ticks else None)
+                compute[ticks] = time.perf_counter() - before
+                robot.write(tau)
+                latency[ticks] = time.perf_counter() - start - due
+                if observe is not None:
+                    observe(t, q, v, tau)
+            except Exception as error:
+                if failure is not None:
+                    raise
+                failure = error
+                controller.stop(f"{type(error).__name__}: {error}")
+            last = now
+            ticks += 1
+            skipped = int((time.perf_counter() - start - due) / dt)
+            missed += skipped > 0
+            due += dt * (skipped + 1)
+    if failure is not None:
+        raise failure
+    return Timing(
+        ticks=ticks,
+        missed=missed,
+        latency=percentiles(latency[:ticks]),
+        compute=percentiles(compute[:ticks]),
+        period=(last - start) / max(ticks - 1, 1),
+        stopped=controller.stopped,
+    )
+
+
+def _wait_until(moment: float) -> float:
+    """Sleep, then stay awake, until `moment` of the performance counter; return the time."""
+    while True:
+        now = time.perf_counter()
+        if now >= moment:
+            return now
+        if moment - now > SPIN:
+            time.sleep(moment - now - SPIN)
+
+
+@contextmanager
+def _signals_stop(controller: Safeguard) -> Iterator[None]:
+    """Let Ctrl-C and SIGTERM begin a safe stop, where signals can be caught at all."""
+
+    def begin(number: int, _: object) -> None:
+        controller.stop(signal.Signals(number).name)
+
+    try:
+        before = {
+            number: signal.signal(number, begin) for number in (signal.SIGINT, signal.SIGTERM)
+        }
+    except ValueError:  # Not the main thread: its owner catches the signals.
+        yield
+        return
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+@contextmanager
+def _no_garbage_collection() -> Iterator[None]:
+    """Collect now and not while the loop runs."""
+    gc.collect()
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if enabled:
+            gc.enable()
