@@ -46,4 +46,5 @@ def main(name: str = "panda", duration: float = 5.0) -> None:
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:2], **{"duration": float(word) for word in sys.argv[2:3]})
+    words = [*sys.argv[1:], *("panda", "5")[len(sys.argv) - 1 :]]
+    main(words[0], float(words[1]))

@@ -15,6 +15,7 @@ from fotsmc_pin.cli.reproduce import reproduce
 from fotsmc_pin.cli.simulate import simulate
 from fotsmc_pin.cli.stress import stress
 from fotsmc_pin.cli.study import study_command
+from fotsmc_pin.cli.tune import tune
 from fotsmc_pin.errors import FotsmcError
 
 app = typer.Typer(
@@ -32,6 +33,7 @@ app.command("arms")(arms_command)
 app.command("inspect")(inspect_command)
 app.command("perturb")(perturb_command)
 app.command("stress")(stress)
+app.command("tune")(tune)
 app.command("study")(study_command)
 
 

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from fotsmc_pin.arms import Arm
+    from fotsmc_pin.control import Controller
     from fotsmc_pin.stress_suite import StressRow
 
 SHOWN_DRAWS = 10
@@ -90,7 +91,18 @@ def _ablation(arm: Arm, seed: int, duration: float) -> list[StressRow]:
     from fotsmc_pin.stress_suite.table import run_row
 
     case = scenario(arm, seed=seed)
-    return ablate(lambda law, label: run_row(case, law, label, duration), arm, DT)
+    rows = ablate(lambda law, label: run_row(case, law, label, duration), arm, DT)
+    if arm.name == "two_link":
+        rows += ablate(_printed_case, arm, DT)
+    return rows
+
+
+def _printed_case(law: Controller, label: str) -> StressRow:
+    """Judge a run of the paper's two-link case with its printed disturbance."""
+    from fotsmc_pin.paper.two_link import run
+    from fotsmc_pin.stress_suite import judge
+
+    return judge(run(law), "two_link, printed case", label)
 
 
 def _best_pid(

@@ -68,7 +68,7 @@ class RobustFONFTSMGains(Gains):
     floor_rate: Array = per_joint(25.0, "rad/s", above=0.0)
     floor_limit: Array = per_joint(None, "kg·m²", at_least=0.0)
     anti_windup: bool = flag(True)
-    memory_horizon: float = scalar(1e3, "s", above=0.0)
+    memory_horizon: float = scalar(1e3, "s", above=0.0, tuned=False)
 
 
 class RobustFONFTSM(Controller):

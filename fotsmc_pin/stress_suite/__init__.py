@@ -5,7 +5,7 @@ from fotsmc_pin.stress_suite.baseline import best_pid
 from fotsmc_pin.stress_suite.draws import Draw, draw_case, run_draws
 from fotsmc_pin.stress_suite.scenario import Scenario, scenario
 from fotsmc_pin.stress_suite.suite import stress
-from fotsmc_pin.stress_suite.table import StressRow, markdown
+from fotsmc_pin.stress_suite.table import StressRow, judge, markdown
 
 __all__ = [
     "stress",
@@ -14,6 +14,7 @@ __all__ = [
     "StressRow",
     "markdown",
     "best_pid",
+    "judge",
     "ablate",
     "VARIANTS",
     "Draw",

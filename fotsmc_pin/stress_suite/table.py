@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from fotsmc_pin.control import Controller
+    from fotsmc_pin.simulation import Recording
     from fotsmc_pin.stress_suite.scenario import Scenario
 
 INFINITE = float("inf")
@@ -54,9 +55,14 @@ def run_row(case: Scenario, controller: Controller, label: str, duration: float)
         rec = case.run(controller, duration)
     except DivergenceError:
         return StressRow(arm=case.arm.name, controller=label)
+    return judge(rec, case.arm.name, label)
+
+
+def judge(rec: Recording, arm: str, label: str) -> StressRow:
+    """Return the row of a run of the controller `label` on `arm`."""
     summary = summarize(rec)
     return StressRow(
-        arm=case.arm.name,
+        arm=arm,
         controller=label,
         tail_rms_error=summary.tail_rms_error,
         max_tail_error=summary.max_tail_error,
