@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import importlib.util
+import math
 from typing import TYPE_CHECKING
-
-import numpy as np
 
 if TYPE_CHECKING:
     from fotsmc_pin.arms import Inspection
@@ -58,12 +57,12 @@ def _limits_known(found: Inspection) -> str:
             ("velocity", found.arm.velocity_limit),
             ("position", found.arm.upper_position_limit),
         )
-        if np.isfinite(values).any()
+        if any(map(math.isfinite, values))
     ]
     return ", ".join(known) or "none"
 
 
 def _payload(found: Inspection) -> str:
-    if np.isinf(found.payload):
+    if math.isinf(found.payload):
         return "-"
     return "none" if found.payload == 0.0 else f"{found.payload:.2g}"

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import numpy as np
 import typer
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ def _say(console: object, lines: list[str]) -> None:
 def _facts(found: Inspection) -> list[str]:
     arm = found.arm
     payload = (
-        "no effort limits bear on it" if np.isinf(found.payload) else f"{found.payload:.3g} kg"
+        "no effort limits bear on it" if math.isinf(found.payload) else f"{found.payload:.3g} kg"
     )
     median, largest = found.condition
     lines = [
@@ -85,7 +85,7 @@ def _joints(found: Inspection) -> Table:
         kind = arm.tree.joints[name].type
         lower, upper = arm.lower_position_limit[row], arm.upper_position_limit[row]
         span = f"{_number(lower)} to {_number(upper)} {unit}"
-        if np.isinf(lower) and np.isinf(upper):
+        if math.isinf(lower) and math.isinf(upper):
             span = "endless" if kind == "continuous" else "not given"
         table.add_row(
             name,
@@ -107,7 +107,7 @@ def _loads(found: Inspection) -> Table:
     for heading in ("gravity", "of the limit", "inertia", "armature", "friction", "damping"):
         table.add_column(heading, justify="right")
     for row, name in enumerate(arm.joint_names):
-        limited = np.isfinite(arm.effort_limit[row])
+        limited = math.isfinite(arm.effort_limit[row])
         least, most = found.inertia_range[row]
         mass_unit = "kg" if arm.position_units[row] == "m" else "kg·m²"
         table.add_row(
@@ -125,8 +125,8 @@ def _load(value: float) -> str:
 
 
 def _limit(value: float, unit: str) -> str:
-    return f"{value:.4g} {unit}" if np.isfinite(value) else "not given"
+    return f"{value:.4g} {unit}" if math.isfinite(value) else "not given"
 
 
 def _number(value: float) -> str:
-    return f"{value:.4g}" if np.isfinite(value) else ("-∞" if value < 0 else "∞")
+    return f"{value:.4g}" if math.isfinite(value) else ("-∞" if value < 0 else "∞")
