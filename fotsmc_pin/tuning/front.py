@@ -86,7 +86,9 @@ def tune(
     about = {"law": law.__name__, "objective": objective, "largest_torque": largest_torque}
     study = _open_study(optuna, path, seed, about)
     if not study.trials:
-        study.enqueue_trial({name: start[name] for name in space})
+        study.enqueue_trial(
+            {name: min(max(start[name], span.low), span.high) for name, span in space.items()}
+        )
 
     def cost(trial: Any) -> tuple[float, float]:
         summary = run(suggested(trial, space))
