@@ -91,7 +91,7 @@ class Controller(ABC):
         self._initial_state = self._state.copy()
         self._code = settled(self._kernel, self.dt, *self._arguments)
         q, v = self._q, self._v
-        strict(take, v, q, v, q, v, v, self._configurations, self._motion)
+        strict(take, q, v, q, v, v, self._configurations, self._motion)
 
     @abstractmethod
     def _prepare(self) -> None:
@@ -132,16 +132,13 @@ class Controller(ABC):
                 controller is as it was, and the next good tick goes on from there.
         """
         try:
-            e = pin.difference(self._model, q_d, q)
-            taken = take(e, q, v, q_d, v_d, a_d, self._configurations, self._motion)  # type: ignore[arg-type]
-        except (AttributeError, TypeError, ValueError):  # not plain arrays of floats
+            taken = take(q, v, q_d, v_d, a_d, self._configurations, self._motion)  # type: ignore[arg-type]
+        except (AttributeError, TypeError):  # not plain arrays of floats
             taken = False
         if not taken:
             self._take_with_care(q, v, q_d, v_d, a_d)
-        if not (self._euclidean or self._on_circles()):
-            name, value = ("q_d", q_d) if self._on_circle(self._q) else ("q", q)
-            remedy = "give the cosine and sine of each continuous joint"
-            raise MeasurementError(name, value, remedy)
+        if not self._euclidean:
+            self._take_difference(q, q_d)
         if dt is None:
             dt = self.dt
         else:
@@ -196,20 +193,19 @@ class Controller(ABC):
             except ArgumentError as error:
                 raise MeasurementError(name, value, error.remedy) from None
         q, v, q_d, v_d, a_d = clean
-        e = pin.difference(self._model, q_d, q)
-        take(e, q, v, q_d, v_d, a_d, self._configurations, self._motion)
+        take(q, v, q_d, v_d, a_d, self._configurations, self._motion)
 
-    def _on_circles(self) -> bool:
-        """Return whether the continuous joints of `q` and `q_d` are cosines and sines."""
-        return self._on_circle(self._q) and self._on_circle(self._q_d)
-
-    def _on_circle(self, q: Array) -> bool:
-        return bool(pin.isNormalized(self._model, q, ROUNDNESS))
+    def _take_difference(self, q: ArrayLike, q_d: ArrayLike) -> None:
+        """Take `e = q ⊖ q_d` of an arm with continuous joints, whose `q` are no plain vector."""
+        for name, value, taken in (("q", q, self._q), ("q_d", q_d, self._q_d)):
+            if not pin.isNormalized(self._model, taken, ROUNDNESS):
+                remedy = "give the cosine and sine of each continuous joint"
+                raise MeasurementError(name, value, remedy)
+        self._motion[E] = pin.difference(self._model, self._q_d, self._q)
 
 
 @kernel
 def take(
-    e: Array,
     q: Array,
     v: Array,
     q_d: Array,
@@ -218,9 +214,10 @@ def take(
     configurations: Array,
     motion: Array,
 ) -> bool:
-    """Copy the arguments of a tick, each number kept below `LARGEST`; fill in `ė = v - v_d`.
+    """Copy the arguments of a tick, each number kept below `LARGEST`; fill in `e` and `ė`.
 
-    Returns whether every array has its shape and every number is finite.
+    `e` is that of plain joints, whose difference is that of their numbers. Returns whether every
+    array has its shape and every number is finite.
     """
     nq, nv = configurations.shape[1], motion.shape[1]
     if not (q.shape == q_d.shape == (nq,) and v.shape == v_d.shape == a_d.shape == (nv,)):
@@ -232,7 +229,7 @@ def take(
     for j in range(nv):
         if not (math.isfinite(v[j]) and math.isfinite(v_d[j]) and math.isfinite(a_d[j])):
             return False
-        motion[E, j] = clip(e[j], LARGEST)
+        motion[E, j] = configurations[0, j] - configurations[1, j]
         motion[V, j] = clip(v[j], LARGEST)
         motion[V_D, j] = clip(v_d[j], LARGEST)
         motion[A_D, j] = clip(a_d[j], LARGEST)
