@@ -78,7 +78,9 @@ class ExactDifferentiator:
         arm: the arm whose positions are given.
         dt: nominal period of a tick [s].
         jerk: bound `L` of the third derivative of the position, one number or one per joint
-            [rad/s³, m/s³].
+            [rad/s³, m/s³]. In a closed loop it has to cover what the controller does, not only what
+            the reference asks for: where it is too small the estimate lags and the loop may become
+            unstable; where it is larger than needed the noise comes through.
 
     Raises:
         ArgumentError: a number that is not above 0.
@@ -86,7 +88,7 @@ class ExactDifferentiator:
     Source: Levant, International Journal of Control, 2003.
     """
 
-    def __init__(self, arm: Arm, dt: float, *, jerk: ArrayLike = 500.0) -> None:
+    def __init__(self, arm: Arm, dt: float, *, jerk: ArrayLike = 2e4) -> None:
         self.arm = arm
         self.dt = checks.finite_number("dt", dt, above=0.0)
         self.jerk = checks.per_joint("jerk", jerk, arm.nv, above=0.0)

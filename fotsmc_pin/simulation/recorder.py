@@ -29,11 +29,11 @@ class Recorder:
     """
 
     def __init__(
-        self, arm: Arm, plant: Plant, controller: object, *, dt: float, ticks: int, stride: int
+        self, arm: Arm, plant: Plant, controller: object, *, instants: Array, stride: int
     ) -> None:
-        """Make room for a row at every `stride`-th of `ticks` ticks of `dt` seconds."""
+        """Make room for a row at every `stride`-th of the ticks at `instants` [s]."""
         self._arm, self._controller, self._stride, self._filled = arm, controller, stride, 0
-        self._t = dt * np.arange(0.0, ticks, stride)
+        self._t = instants[::stride].copy()
         size = len(self._t)
         self._q_d, self._v_d = np.zeros((size, arm.nq)), np.zeros((size, arm.nv))
         shown = getattr(controller, "signals", {})

@@ -41,7 +41,9 @@ class Law(Protocol):
 
     dt: float
 
-    def update(self, q: Array, v: Array, q_d: Array, v_d: Array, a_d: Array) -> Array:
+    def update(
+        self, q: Array, v: Array, q_d: Array, v_d: Array, a_d: Array, dt: float | None = None
+    ) -> Array:
         """Return the torque of one tick."""
         ...
 
@@ -64,6 +66,8 @@ def simulate(
     substeps: int = 1,
     integrator: str | None = None,
     record_every: int = 1,
+    jitter: float = 0.0,
+    seed: int = 0,
     progress: bool | Callable[[float], None] = False,
 ) -> Recording:
     """Run `controller` against the true `arm` from time 0.
@@ -89,6 +93,9 @@ def simulate(
         integrator: "rk4" or "semi-implicit"; by default "rk4", unless the arm's damping is too
             strong for its steps.
         record_every: ticks from one recorded row to the next.
+        jitter: share of a period by which a tick may come early or late, below 0.5; above 0 the
+            controller is told the measured period, as `update(..., dt=...)`.
+        seed: of the jitter.
         progress: True shows a bar on the terminal; a callable is told the fraction done.
 
     Returns:
@@ -117,7 +124,8 @@ def simulate(
             reset()
 
     ticks = round(duration / dt) + 1
-    recorder = Recorder(arm, plant, controller, dt=dt, ticks=ticks, stride=stride)
+    clock = _clock(dt, ticks, jitter, seed)
+    recorder = Recorder(arm, plant, controller, instants=clock[:-1], stride=stride)
     started = time.perf_counter()
 
     def recording() -> Recording:
@@ -128,19 +136,22 @@ def simulate(
     with reporting(progress, "simulating") as report:
         for first in range(0, ticks, CHUNK):
             report(first / ticks)
-            instants = dt * np.arange(first, min(first + CHUNK, ticks), dtype=np.float64)
+            instants = clock[first : min(first + CHUNK, ticks)]
             wanted = targets(reference, instants, arm)
             recorder.expect(first, *wanted[:2])
             rows = zip(instants.tolist(), *wanted, strict=True)
             for k, (t, q_d, v_d, a_d) in enumerate(rows, first):
                 q, v = (plant.q, plant.v) if sensor is None else sensor(t, plant.q, plant.v)
-                tau = controller.update(q, v, q_d, v_d, a_d)
+                if jitter > 0.0 and k > 0:
+                    tau = controller.update(q, v, q_d, v_d, a_d, dt=t - clock[k - 1])
+                else:
+                    tau = controller.update(q, v, q_d, v_d, a_d)
                 if actuator is not None:
                     tau = actuator(t, tau)
                 plant.load(t, tau)
                 if k % stride == 0:
                     recorder.add()
-                lost = plant.hold(t, dt)
+                lost = plant.hold(t, dt if jitter == 0.0 else clock[k + 1] - t)
                 if lost >= 0:
                     joint = arm.joint_names[lost]
                     raise DivergenceError(
@@ -153,6 +164,16 @@ def simulate(
                     )
         report(1.0)
     return recording()
+
+
+def _clock(dt: float, ticks: int, jitter: float, seed: int) -> Array:
+    """Return the times of all ticks and of the end of the last one, (ticks + 1,) [s]."""
+    clock = dt * np.arange(ticks + 1, dtype=np.float64)
+    share = checks.finite_number("jitter", jitter, at_least=0.0, below=0.5)
+    if share > 0.0:
+        rng = np.random.default_rng(checks.count("seed", seed, at_least=0))
+        clock[1:] += share * dt * rng.uniform(-1.0, 1.0, ticks)
+    return clock
 
 
 def _checked_reference(arm: Arm, reference: Reference) -> tuple[Array, Array, Array]:
