@@ -90,9 +90,8 @@ class AdaptiveFONFTSM(FONFTSM):
         upsilon = np.array([g.upsilon_0, g.upsilon_1])
         rates = 1.0 / upsilon if g.adaptation_rate == "inverse" else upsilon
         self._arguments += (
-            self._bounds.copy(),
             ADAPTATION.index(g.adaptation),
-            np.array([*rates, g.dead_zone, g.leakage, g.largest_bound]),
+            np.array([*rates, g.dead_zone, g.leakage, g.largest_bound, *self._bounds]),
         )
 
     def _first_bounds(self) -> Array:
@@ -120,7 +119,6 @@ def adaptive_control_law(
     integral_memory: Array,
     work: Array,
     tau: Array,
-    bounds_start: Array,
     adaptation_kind: int,
     adaptation: Array,
 ) -> None:
@@ -143,4 +141,5 @@ def adaptive_control_law(
         tau,
     )
     if not clipped:
-        adapt(dt, bounds, bounds_start, work[0], motion[V], adaptation_kind, adaptation)
+        start = adaptation[-2:]
+        adapt(dt, bounds, start, work[0], motion[V], adaptation_kind, adaptation)
