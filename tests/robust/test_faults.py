@@ -116,7 +116,7 @@ class TestFriction:
             for k in range(200):
                 plant.load(k * DT, np.array([torque, 0.0]) + true.gravity(plant.q))
                 plant.hold(k * DT, DT)
-            assert (abs(plant.v[0]) > 1e-3) is moves
+            assert (abs(plant.v[0]) > 1e-3) == moves
             assert moves or abs(plant.v[0]) < 1e-9
 
     def test_a_light_damped_joint_needs_no_short_steps(self):
