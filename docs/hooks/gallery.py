@@ -1,12 +1,13 @@
-"""Runs the examples while the site is built, and puts what they write into its gallery.
+"""Runs the examples and the paper's case while the site is built, and adds what they write to it.
 
-An example runs again only when it or the library has changed.
+Each runs again only when it or the library has changed.
 """
 
 from __future__ import annotations
 
 import hashlib
 import logging
+import os
 import subprocess
 import sys
 import tempfile
@@ -21,52 +22,66 @@ if TYPE_CHECKING:
     from mkdocs.structure.files import Files
 
 ROOT = Path(__file__).parents[2]
-CACHE = ROOT / "out" / "gallery"
+CACHE = ROOT / "out" / "site"
 EXAMPLES = ("quickstart", "two_link", "own_urdf", "own_controller", "compare", "panda_payload")
-SHOWN = (".html", ".svg")
+SHOWN = (".html", ".svg", ".md")
+
+COMMANDS: dict[str, list[list[str]]] = {
+    **{f"gallery/{name}": [[str(ROOT / f"examples/{name}.py")]] for name in EXAMPLES},
+    "paper": [
+        ["-m", "fotsmc_pin", "reproduce", "--out", "out/paper"],
+        ["-m", "fotsmc_pin", "report", "out/paper", "--title", "The paper's two-link case"],
+    ],
+}
+"""Folders of the site, and the Python commands that fill them."""
 
 log = logging.getLogger("mkdocs.plugins.gallery")
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
-    """Add what every example writes as `gallery/<example>/...`."""
-    for name in EXAMPLES:
-        for path in sorted(results_of(name).iterdir()):
+    """Add what every command writes to the site."""
+    for folder in COMMANDS:
+        for path in sorted(results_of(folder).iterdir()):
             if path.suffix in SHOWN:
-                uri = f"gallery/{name}/{path.name}"
+                uri = f"{folder}/{path.name}"
                 files.append(File.generated(config, uri, abs_src_path=str(path)))
     return files
 
 
-def results_of(name: str) -> Path:
-    """Return the folder of an example's results; run it where they are missing or outdated."""
-    example = ROOT / "examples" / f"{name}.py"
-    place = CACHE / f"{name}-{_digest(example)}"
+def results_of(folder: str) -> Path:
+    """Return the results for a folder of the site; make them where they are missing."""
+    place = CACHE / f"{folder.replace('/', '-')}-{_digest(COMMANDS[folder])}"
     if not place.is_dir():
-        log.info("Running %s", example.relative_to(ROOT))
-        with tempfile.TemporaryDirectory(dir=_made(CACHE)) as trial:
-            done = subprocess.run(
-                [sys.executable, str(example)],
-                cwd=trial,
-                capture_output=True,
-                text=True,
-                check=False,
-            )
-            if done.returncode != 0:
-                raise PluginError(f"{example} failed:\n{done.stderr}")
-            (folder,) = (Path(trial) / "out").iterdir()
-            folder.rename(place)
+        CACHE.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=CACHE) as trial:
+            for command in COMMANDS[folder]:
+                _run(command, Path(trial))
+            (results,) = (Path(trial) / "out").iterdir()
+            results.rename(place)
     return place
 
 
-def _made(folder: Path) -> Path:
-    folder.mkdir(parents=True, exist_ok=True)
-    return folder
+def _run(command: list[str], folder: Path) -> None:
+    log.info("Running %s", " ".join(command))
+    done = subprocess.run(
+        [sys.executable, *command],
+        cwd=folder,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if done.returncode != 0:
+        raise PluginError(f"{' '.join(command)} failed:\n{done.stderr}")
 
 
-def _digest(example: Path) -> str:
-    digest = hashlib.sha256(example.read_bytes())
-    for path in sorted((ROOT / "fotsmc_pin").rglob("*")):
-        if path.suffix in (".py", ".js", ".css", ".html"):
+def _digest(commands: list[list[str]]) -> str:
+    """Return a digest of all that the results follow from."""
+    digest = hashlib.sha256(repr(commands).encode())
+    for argument in (argument for command in commands for argument in command):
+        if argument.endswith(".py"):
+            digest.update(Path(argument).read_bytes())
+    for path in sorted((*(ROOT / "fotsmc_pin").rglob("*"), *(ROOT / "urdf").iterdir())):
+        if path.suffix in (".py", ".js", ".css", ".html", ".urdf", ".json"):
             digest.update(path.read_bytes())
     return digest.hexdigest()[:16]
