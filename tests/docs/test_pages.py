@@ -105,7 +105,8 @@ def test_python_blocks_run_from_top_to_bottom(page, reader):
 def test_commands_are_understood(page):
     program = typer.main.get_command(app)
     for command in commands_of(page):
-        name, *arguments = shlex.split(command)
+        # Words in capitals stand for the reader's own.
+        name, *arguments = shlex.split(re.sub(r"\b[A-Z]{3,}\b", "1", command))
         if name.startswith("-"):
             assert name == "--help"
             continue
