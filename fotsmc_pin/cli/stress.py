@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fotsmc_pin.cli.output import Force, progress_bar, result_folder
-from fotsmc_pin.files import write_text
+from fotsmc_pin.files import write_json, write_text
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -154,5 +153,5 @@ def _write(folder: Path, rows: Sequence[StressRow], seeds: Sequence[int]) -> Non
     from fotsmc_pin.stress_suite import markdown
 
     data = [row.as_dict() | ({"seed": seeds[k]} if seeds else {}) for k, row in enumerate(rows)]
-    write_text(folder / "stress.json", json.dumps(data, indent=1) + "\n")
+    write_json(folder / "stress.json", {"rows": data})
     write_text(folder / "stress.md", markdown(rows))

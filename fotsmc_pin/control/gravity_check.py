@@ -17,14 +17,14 @@ class GravityWarning(UserWarning):
     """Gravity asks a joint for more than its effort limit in a configuration that it can reach."""
 
 
-def warn_of_gravity(arm: Arm, *, stacklevel: int = 2) -> None:
+def warn_of_gravity(arm: Arm, *, stacklevel: int = 1) -> None:
     """Warn where the nominal gravity exceeds the effort limits of an arm.
 
     Tried at the neutral and at 200 random configurations, always the same ones.
 
     Args:
         arm: the arm.
-        stacklevel: frame that the warning points at, as in `warnings.warn`.
+        stacklevel: 1 lets the warning point at the caller, 2 at the caller of that, and so on.
 
     Warns:
         GravityWarning: which joint, by how much, and what to do.

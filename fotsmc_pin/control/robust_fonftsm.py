@@ -11,6 +11,7 @@ import numpy as np
 from fotsmc_pin.compiled import kernel
 from fotsmc_pin.control.controller import A_D, ED, Controller, E, V
 from fotsmc_pin.control.gains import Gains, flag, per_joint, scalar
+from fotsmc_pin.control.gravity_check import warn_of_gravity
 from fotsmc_pin.control.inertia_floor import OBSERVER_RATE, largest_floor, raise_floor
 from fotsmc_pin.control.momentum_observer import observe
 from fotsmc_pin.control.saturation import integrated, inverse_dynamics, unwound
@@ -94,6 +95,9 @@ class RobustFONFTSM(Controller):
     `K (ė_a - ė)` is a disturbance observer of bandwidth `K` in units of acceleration. Where a
     torque limit cuts in, the fractional integral, `z` and `ė_a` take in only what was followed.
 
+    Warns:
+        GravityWarning: gravity asks the arm for more than its effort limits.
+
     Signals: "s"; "z"; "disturbance", the momentum observer's torque; "inertia_floor", `δ`.
 
     Source: the surface and the reaching law are [19] and [21] of Nojavanzadeh and Badamchizadeh,
@@ -104,6 +108,7 @@ class RobustFONFTSM(Controller):
     Gains = RobustFONFTSMGains
 
     def _prepare(self) -> None:
+        warn_of_gravity(self.arm, stacklevel=3)
         self.gains = g = complete_gains(self.gains, self.arm, self.dt)
         n = self.arm.nv
         memory: dict[str, Any] = {

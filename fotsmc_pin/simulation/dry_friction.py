@@ -29,7 +29,7 @@ def rub(
 
         v = v_free + M⁻¹ p,    p_j = -h (D_j v_j + F_j sign v_j),   |p_j| ≤ h F_j where v_j = 0,
 
-    by Gauss-Seidel, each joint exactly, one after the other. Any step and any light joint is stable.
+    by Gauss-Seidel, each joint exactly, one after the other. It is stable for any step and joint.
 
     Args:
         h: length of the step [s].

@@ -169,6 +169,9 @@ def test_a_heavy_arm_warns_before_the_run():
         warn_of_gravity(fp.load_arm("talos_arm"))
     with pytest.warns(GravityWarning, match="baxter.*left_s1"):
         warn_of_gravity(fp.load_arm("baxter"))
+    with pytest.warns(GravityWarning, match="talos_arm") as caught:
+        RobustFONFTSM(fp.load_arm("talos_arm"), DT)
+    assert caught[0].filename == __file__
     warn_of_gravity(fp.load_arm("panda"))
 
 
