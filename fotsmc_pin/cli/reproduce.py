@@ -25,12 +25,14 @@ def reproduce(
     with progress_bar("the two-link case") as report:
         verdicts = run_the_paper(folder, report)
 
-    table = Table(title="The paper's claims, measured", title_justify="left")
-    for column in ("where", "claim", "printed", "measured", "holds"):
+    table = Table(title="The paper's claims", title_justify="left")
+    for column in ("where", "claim", "holds"):
         table.add_column(column)
     for verdict in verdicts:
-        cells = (verdict.where, verdict.claim, verdict.printed, verdict.measured, verdict.word)
-        table.add_row(*map(escape, cells))
+        table.add_row(*map(escape, (verdict.where, verdict.claim, verdict.word)))
     console = Console()
     console.print(table)
-    console.print(f"Open {folder / 'two_link.html'} in a browser; read {folder / 'claims.md'}.")
+    console.print(
+        f"Read what was measured in {folder / 'claims.md'} and {folder / 'comparison.md'}."
+    )
+    console.print(f"Open {folder / 'two_link.html'} in a browser.")

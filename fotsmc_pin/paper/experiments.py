@@ -61,6 +61,9 @@ EXPERIMENTS: dict[str, Experiment] = {
         title="R5: M0 outside the fractional integral", gains={"inertia": "outside"}
     ),
     "R6_mu_0.5": Experiment(title="R6: μ = 0.5 in place of ≈ 1", gains={"mu": 0.5}),
+    "no_bounds": Experiment(
+        title="estimates that start at 0", gains={"B0_start": 0.0, "B1_start": 0.0}
+    ),
     "theta_2.5": Experiment(title="θ = 2.5", gains={"theta": 2.5}),
     "theta_10": Experiment(title="θ = 10", gains={"theta": 10.0}),
     **{

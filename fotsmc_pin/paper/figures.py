@@ -21,12 +21,25 @@ if TYPE_CHECKING:
     from fotsmc_pin.simulation import Recording
 
 
-def draw_figures(recordings: Mapping[str, Recording], folder: Path) -> list[Path]:
-    """Write figures 2 to 7 into `folder`, each as SVG and PNG, and return the files."""
+RIVALS = {
+    "proposed": "two_link/peak/AdaptiveFONFTSM, α = 0.1",
+    "[20], integer order": "two_link/peak/ContinuousTSM",
+    "second order": "two_link/peak/SuperTwistingSMC",
+}
+"""Laws of figures 8 and 9, each tuned by the same search under the same peak torque."""
+
+
+def draw_figures(
+    recordings: Mapping[str, Recording], contest: Mapping[str, Recording], folder: Path
+) -> list[Path]:
+    """Write figures 2 to 9 into `folder`, each as SVG and PNG, and return the files."""
     paper = recordings["paper"]
     orders = {
         f"α = {alpha:g}": recordings["paper" if alpha == 0.1 else f"alpha_{alpha:g}"]
         for alpha in ALPHAS
+    }
+    rivals = {"proposed, paper's gains": paper} | {
+        name: contest[key] for name, key in RIVALS.items() if key in contest
     }
     figures = {
         "figure_2_positions": tracking_figure(paper),
@@ -40,5 +53,9 @@ def draw_figures(recordings: Mapping[str, Recording], folder: Path) -> list[Path
             paper, "s", labels=(("S1", "rad/s¹·¹"), ("S2", "rad/s¹·¹"))
         ),
         "figure_7_orders": comparison_figure(orders),
+        "figure_8_positions_of_rivals": comparison_figure(rivals),
+        "figure_9_velocities_of_rivals": comparison_figure(
+            rivals, quantities=("velocity error", "torque")
+        ),
     }
     return [file for name, figure in figures.items() for file in save_figure(figure, folder / name)]

@@ -6,10 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 from fotsmc_pin.analysis import reaching_time_bound
 from fotsmc_pin.files import write_json, write_text
-from fotsmc_pin.paper import two_link
-from fotsmc_pin.paper.claims import Verdict, as_markdown, judge
+from fotsmc_pin.paper import comparison, two_link
+from fotsmc_pin.paper.claims import judge
+from fotsmc_pin.paper.contest import run_contest
 from fotsmc_pin.paper.experiments import ALPHAS, EXPERIMENTS, measure, run_all
 from fotsmc_pin.paper.figures import draw_figures
+from fotsmc_pin.paper.verdicts import Verdict, as_markdown
 from fotsmc_pin.view import export_html
 
 if TYPE_CHECKING:
@@ -18,11 +20,13 @@ if TYPE_CHECKING:
 
     from fotsmc_pin.simulation import Recording
 
-RUNS_SHARE = 0.8
+RUNS_SHARE, CONTEST_SHARE = 0.3, 0.6
 
 
 def reproduce(folder: Path, report: Callable[[float], None]) -> list[Verdict]:
-    """Run the case and write `run.npz`, figures, `metrics.json`, `claims.md` and `two_link.html`.
+    """Run the case and the comparison, and write what they came to.
+
+    `run.npz`, the figures, `metrics.json`, `claims.md`, `comparison.md` and `two_link.html`.
 
     Args:
         folder: where the files go; it must exist.
@@ -32,12 +36,14 @@ def reproduce(folder: Path, report: Callable[[float], None]) -> list[Verdict]:
         The verdicts on the paper's claims.
     """
     recordings = run_all(lambda fraction: report(RUNS_SHARE * fraction))
-    metrics = metrics_of(recordings)
+    contest = run_contest(lambda fraction: report(RUNS_SHARE + CONTEST_SHARE * fraction))
+    metrics = metrics_of(recordings) | {"contest": comparison.contest_metrics(contest)}
     verdicts = judge(metrics)
     recordings["paper"].save(folder / "run.npz")
     write_json(folder / "metrics.json", metrics)
     write_text(folder / "claims.md", as_markdown(verdicts))
-    draw_figures(recordings, folder)
+    write_text(folder / "comparison.md", comparison.as_markdown(metrics))
+    draw_figures(recordings, contest, folder)
     report(0.95)
     export_html(recordings["paper"], folder / "two_link.html")
     report(1.0)

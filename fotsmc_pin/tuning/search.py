@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 from fotsmc_pin import checks
@@ -67,7 +67,7 @@ def search_gains(
     trials = checks.count("trials", trials)
     fixed = dict(start or {})
     space = {name: span for name, span in search_space(law, fixed).items() if name not in hold}
-    defaults = {name: field.default for name, field in law.Gains.__dataclass_fields__.items()}
+    defaults: dict[str, Any] = {field.name: field.default for field in fields(law.Gains)}
 
     def objective(trial: Any) -> float:
         drawn = {

@@ -1,8 +1,8 @@
 """What a search of gains may draw: one rule for every law, from the fields of its `Gains`.
 
 A number that is bounded on both sides is drawn evenly over its bounds; any other evenly in its
-logarithm, over a decade around its start. What its field exempts (`tuned=False`), options, flags
-and numbers that start at 0 stay as they are.
+logarithm, from a tenth of its start to ten times it. What its field exempts (`tuned=False`),
+options, flags and numbers that start at 0 stay as they are.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from fotsmc_pin.control import Controller
 
-HALF_DECADE = 10.0**0.5
+DECADE = 10.0
 MARGIN = 0.02
 """Share of an interval that is kept clear at both ends, where a law may be singular."""
 
@@ -60,4 +60,4 @@ def _span(start: Any, bounds: Mapping[str, float]) -> Span | None:
         return Span(low=low + margin, high=high - margin, logarithmic=False)
     if not isinstance(start, (int, float)) or start <= 0.0:
         return None
-    return Span(low=start / HALF_DECADE, high=start * HALF_DECADE, logarithmic=True)
+    return Span(low=start / DECADE, high=start * DECADE, logarithmic=True)

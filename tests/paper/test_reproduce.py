@@ -4,11 +4,13 @@ import json
 
 import pytest
 
-from fotsmc_pin.paper.claims import CLAIMS, as_markdown, judge
+from fotsmc_pin.paper.claims import CLAIMS, judge
+from fotsmc_pin.paper.contest import PEAK, contestants, cost, stored_gains
 from fotsmc_pin.paper.reproduce import reproduce
+from fotsmc_pin.paper.verdicts import as_markdown
 from fotsmc_pin.simulation import Recording
 
-FIGURES = (2, 3, 4, 5, 6, 7)
+FIGURES = (2, 3, 4, 5, 6, 7, 8, 9)
 
 
 @pytest.fixture(scope="module")
@@ -24,7 +26,7 @@ def test_every_file_is_there(result):
     for number in FIGURES:
         assert list(folder.glob(f"figure_{number}_*.svg"))
         assert list(folder.glob(f"figure_{number}_*.png"))
-    for name in ("run.npz", "metrics.json", "claims.md", "two_link.html"):
+    for name in ("run.npz", "metrics.json", "claims.md", "comparison.md", "two_link.html"):
         assert (folder / name).stat().st_size > 0
     assert not list(folder.glob(".*"))
 
@@ -87,3 +89,23 @@ def test_the_run_is_kept_whole(result):
     assert rec.t[-1] == pytest.approx(10.0)
     assert rec.arm.name == "two_link_true"
     assert rec.metadata["controller"] == "AdaptiveFONFTSM"
+
+
+def test_every_law_of_the_contest_was_tuned_within_the_same_limits(result):
+    """The tuned gains are those of the search: same rule for all, and what they cost is stored."""
+    folder, _, _ = result
+    contest = json.loads((folder / "metrics.json").read_text())["contest"]
+    assert {entry.key for entry in contestants()} == set(contest)
+    for key, row in contest.items():
+        entry = next(entry for entry in contestants() if entry.key == key)
+        settings = {**entry.start, **row["gains"]}
+        assert settings == row["gains"], f"{key}: an option of the match was dropped"
+
+
+def test_a_stored_cost_comes_out_again():
+    """What the store says of a law follows from running it, not from the file alone."""
+    tuned = stored_gains()
+    for law in ("RobustFONFTSM", "ComputedTorque"):
+        entry = next(e for e in contestants() if e.law == law and e.match == PEAK)
+        outcome = tuned[entry.key]
+        assert cost(entry, outcome["gains"]) == pytest.approx(outcome["cost"], rel=0.05)
