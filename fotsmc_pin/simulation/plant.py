@@ -73,7 +73,8 @@ class Plant:
             dt: period of a tick [s].
             substeps: integration steps in a tick.
             integrator: "rk4" (fourth order) or "semi-implicit" (Euler, first order, symplectic;
-                friction implicit). By default "rk4", unless damping is too strong for its steps.
+                friction implicit). By default "rk4", unless the arm has Coulomb friction,
+                which sticks in the other only, or damping too strong for explicit steps.
             disturbance: `t -> (nv,)`, torque added at the joints [N·m, N].
 
         Raises:
@@ -166,7 +167,8 @@ class Plant:
         """Return the integrator that was asked for, or the one that the damping bears."""
         stiff = float(stiffness.max(initial=0.0))
         if integrator is None:
-            return "semi-implicit" if stiff > STIFFEST else "rk4"
+            rubs = stiff > STIFFEST or bool(np.any(self._arm.friction))
+            return "semi-implicit" if rubs else "rk4"
         if checks.choice("integrator", integrator, INTEGRATORS) == "rk4" and stiff > STIFFEST:
             joint = self._arm.joint_names[int(stiffness.argmax())]
             needed = math.ceil(self._substeps * stiff / STIFFEST)

@@ -90,8 +90,8 @@ def simulate(
         sensor: `(t, q, v) -> (q, v)`, what the controller is told of the true state.
         actuator: `(t, tau) -> tau`, what becomes of the controller's torque.
         substeps: integration steps in a tick.
-        integrator: "rk4" or "semi-implicit"; by default "rk4", unless the arm's damping is too
-            strong for its steps.
+        integrator: "rk4" or "semi-implicit"; by default "rk4", unless the arm has Coulomb friction
+            or damping too strong for explicit steps.
         record_every: ticks from one recorded row to the next.
         jitter: share of a period by which a tick may come early or late, below 0.5; above 0 the
             controller is told the measured period, as `update(..., dt=...)`.

@@ -20,7 +20,13 @@ def test_strong_damping_on_a_light_wrist_stays_stable_by_default():
 
 
 def test_rk4_stays_the_default_where_it_is_stable():
-    assert held(fp.load_arm("xarm7", damping=0.0)).metadata["integrator"] == "rk4"
+    smooth = fp.load_arm("xarm7", damping=0.0, friction=0.0)
+    assert held(smooth).metadata["integrator"] == "rk4"
+
+
+def test_dry_friction_is_integrated_so_that_it_can_stick():
+    rubbing = fp.load_arm("xarm7", damping=0.0, friction=0.5)
+    assert held(rubbing).metadata["integrator"] == "semi-implicit"
 
 
 def test_rk4_is_refused_with_the_steps_that_it_would_need():
