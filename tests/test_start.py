@@ -15,7 +15,7 @@ ROOT = Path(__file__).parents[1]
 def test_the_library_and_the_command_line_import_nothing_heavy(start):
     program = (
         f"import sys; {start}\n"
-        "heavy = ('numpy', 'numba', 'pinocchio', 'matplotlib', 'meshcat', 'joblib', 'rich.progress')\n"
+        "heavy = ('numpy', 'numba', 'pinocchio', 'matplotlib', 'meshcat', 'joblib')\n"
         "print(*(name for name in heavy if name in sys.modules))"
     )
     done = subprocess.run(

@@ -8,14 +8,14 @@ import time
 import fotsmc_pin as fp
 
 HEAD = ["workers", "runs per second", "× one process"]
-RUNS = 24
-ROUNDS = 5
+RUNS = 16
+ROUNDS = 3
 
 
 def test_studies(table, benchmark):
     from distributed import LocalCluster
 
-    loop = fp.ClosedLoop(arm=fp.load_arm("panda"), preset="practical", duration=10.0)
+    loop = fp.ClosedLoop(arm=fp.load_arm("panda"), preset="practical", duration=5.0)
 
     def per_second(repeats=RUNS, **workers):
         started = time.perf_counter()
@@ -46,5 +46,5 @@ def test_studies(table, benchmark):
         ]
         for name, found in speeds.items()
     ]
-    table("A study of Panda runs, 10 s at 1 kHz each", HEAD, *rows)
+    table("A study of Panda runs, 5 s at 1 kHz each", HEAD, *rows)
     benchmark.pedantic(lambda: loop({}, 0), rounds=1)

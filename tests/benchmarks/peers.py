@@ -14,6 +14,17 @@ import numpy as np
 DT, KP, KD = 1e-3, 400.0, 40.0
 
 
+def at(wanted, k):
+    """Row `k` of a reference that was evaluated beforehand, as `simulate` does it; then from 0."""
+    k %= len(wanted[0]) - 1
+    return wanted[0][k], wanted[1][k], wanted[2][k]
+
+
+def position_after(wanted, k):
+    """Position that is wanted once `k` ticks are done."""
+    return wanted[0][(k - 1) % (len(wanted[0]) - 1) + 1]
+
+
 def bare_urdf(arm):
     """The arm's URDF without shapes, which no dynamics needs."""
     robot = ET.fromstring(arm.urdf)
@@ -23,7 +34,7 @@ def bare_urdf(arm):
     return ET.tostring(robot, encoding="unicode")
 
 
-def mujoco_tick(arm, reference, integrator):
+def mujoco_tick(arm, wanted, integrator):
     import mujoco
 
     robot = ET.fromstring(bare_urdf(arm))
@@ -35,12 +46,12 @@ def mujoco_tick(arm, reference, integrator):
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
     mujoco.mj_setConst(model, data := mujoco.MjData(model))
     thinking = mujoco.MjData(model)
-    data.qpos[:] = reference(0.0)[0]
+    data.qpos[:] = wanted[0][0]
     k = 0
 
     def tick():
         nonlocal k
-        q_d, v_d, a_d = reference(k * DT)
+        q_d, v_d, a_d = at(wanted, k)
         thinking.qpos[:], thinking.qvel[:] = data.qpos, data.qvel
         thinking.qacc[:] = a_d - KD * (data.qvel - v_d) - KP * (data.qpos - q_d)
         mujoco.mj_inverse(model, thinking)
@@ -48,10 +59,10 @@ def mujoco_tick(arm, reference, integrator):
         mujoco.mj_step(model, data)
         k += 1
 
-    return tick, lambda: data.qpos - reference(k * DT)[0]
+    return tick, lambda: data.qpos - position_after(wanted, k)
 
 
-def drake_tick(arm, reference):
+def drake_tick(arm, wanted):
     from pydrake.multibody.parsing import Parser
     from pydrake.multibody.plant import MultibodyPlant
     from pydrake.systems.analysis import Simulator
@@ -66,14 +77,14 @@ def drake_tick(arm, reference):
     thinking = plant.CreateDefaultContext()
     port = plant.get_applied_generalized_force_input_port()
     port.FixValue(context, np.zeros(arm.nv))
-    plant.SetPositions(context, reference(0.0)[0])
+    plant.SetPositions(context, wanted[0][0])
     simulator.Initialize()
     forces = multibody_forces(plant)
     k = 0
 
     def tick():
         nonlocal k
-        q_d, v_d, a_d = reference(k * DT)
+        q_d, v_d, a_d = at(wanted, k)
         q, v = plant.GetPositions(context), plant.GetVelocities(context)
         plant.SetPositions(thinking, q)
         plant.SetVelocities(thinking, v)
@@ -83,7 +94,7 @@ def drake_tick(arm, reference):
         k += 1
         simulator.AdvanceTo(k * DT)
 
-    return tick, lambda: plant.GetPositions(context) - reference(k * DT)[0]
+    return tick, lambda: plant.GetPositions(context) - position_after(wanted, k)
 
 
 def multibody_forces(plant):
@@ -92,20 +103,20 @@ def multibody_forces(plant):
     return MultibodyForces(plant)
 
 
-def toolbox_tick(arm, reference):
+def toolbox_tick(arm, wanted):
     """Its own Panda, as it reads no inertias from a URDF that its compiled `rne` could use."""
     import roboticstoolbox as rtb
 
     robot = rtb.models.DH.Panda()
-    q, v = np.array(reference(0.0)[0]), np.zeros(arm.nv)
+    q, v = np.array(wanted[0][0]), np.zeros(arm.nv)
     k = 0
 
     def tick():
         nonlocal k, q, v
-        q_d, v_d, a_d = reference(k * DT)
+        q_d, v_d, a_d = at(wanted, k)
         tau = robot.rne(q, v, a_d - KD * (v - v_d) - KP * (q - q_d))
         v = v + DT * robot.accel(q, v, tau)
         q = q + DT * v
         k += 1
 
-    return tick, lambda: q - reference(k * DT)[0]
+    return tick, lambda: q - position_after(wanted, k)
