@@ -140,7 +140,7 @@ def _condition(m: Metrics) -> Finding:
         word(1.0 < power < 2.0),
         "the paper's own gains break the condition that makes its law non-singular. With p/q = 1.1 "
         f"the run settles at {seconds(obeyed['settling_time'])} and keeps "
-        f"{1e3 * obeyed['tail_rms_error']:.2f} mrad: nothing is lost by obeying it",
+        f"{1e3 * obeyed['tail_rms_error']:.2f} mrad: obeying it costs little",
     )
 
 
