@@ -22,11 +22,11 @@ if TYPE_CHECKING:
 
 
 RIVALS = {
-    "proposed": "two_link/peak/AdaptiveFONFTSM, α = 0.1",
-    "[20], integer order": "two_link/peak/ContinuousTSM",
-    "second order": "two_link/peak/SuperTwistingSMC",
+    "proposed, tuned": "two_link/variation/AdaptiveFONFTSM, α = 0.1",
+    "[20], integer order": "two_link/variation/ContinuousTSM",
+    "second order": "two_link/variation/SuperTwistingSMC",
 }
-"""Laws of figures 8 and 9, each tuned by the same search under the same peak torque."""
+"""Laws of figures 8 and 9, tuned by the same search under the same peak torque and variation."""
 
 
 def draw_figures(
