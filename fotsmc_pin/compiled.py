@@ -8,6 +8,7 @@ kernel that is given other people's arrays from compiling anew in the middle of 
 from __future__ import annotations
 
 import hashlib
+import sys
 from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar, overload
@@ -29,7 +30,8 @@ def kernel(function: Any = None, *, sums_in_any_order: bool = False) -> Any:
     """Compile `function` on its first call and keep the machine code on disk.
 
     With `NUMBA_DISABLE_JIT=1` the function stays plain Python. Where no cache folder can be
-    written, the kernel is compiled anew in each process.
+    written, or the function's module cannot be imported by its name, the kernel is compiled anew
+    in each process.
 
     Args:
         function: what to compile.
@@ -40,7 +42,7 @@ def kernel(function: Any = None, *, sums_in_any_order: bool = False) -> Any:
         return partial(kernel, sums_in_any_order=sums_in_any_order)
     freedom = {"reassoc"} if sums_in_any_order else False
     try:
-        compiled = numba.njit(cache=True, fastmath=freedom)(function)
+        compiled = numba.njit(cache=_importable(function), fastmath=freedom)(function)
     except RuntimeError:  # Numba found no folder that it may write to.
         compiled = numba.njit(fastmath=freedom)(function)
     _follow_every_source(compiled)
@@ -72,15 +74,26 @@ def strict(function: Function, *examples: Any) -> Function:
     return function
 
 
+def _importable(function: Any) -> bool:
+    """Return whether the module of `function` can be imported by its name.
+
+    Cached code asks for it; the name that `runpy` gives to a file leads nowhere.
+    """
+    name = function.__module__
+    return name in sys.modules and all(part.isidentifier() for part in name.split("."))
+
+
 def _follow_every_source(dispatcher: Any) -> None:
     """Let a change in any kernel of the package outdate the cached machine code.
 
     Numba watches only the file in which a kernel stands, not those of the kernels that it calls,
-    and would go on running the old ones.
+    and would go on running the old ones. Nor does it see that a file runs under another name, as
+    a script and as a module.
     """
     cache_file: Any = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
     if hasattr(cache_file, "_source_stamp"):
-        cache_file._source_stamp = (cache_file._source_stamp, _kernel_sources())
+        module = dispatcher.py_func.__module__
+        cache_file._source_stamp = (cache_file._source_stamp, _kernel_sources(), module)
 
 
 @cache
