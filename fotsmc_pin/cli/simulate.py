@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fotsmc_pin.cli.output import Force, progress_bar, result_folder
-from fotsmc_pin.errors import ArgumentError
+from fotsmc_pin.errors import ArgumentError, DivergenceError
 
 if TYPE_CHECKING:
     from fotsmc_pin.analysis import Summary
@@ -56,16 +56,20 @@ def simulate(
     reference = Sinusoid.inside_limits(nominal)
     q_start, _, _ = reference(0.0)
     folder = result_folder(out or Path("out") / nominal.name, force=force)
-    with progress_bar(nominal.name) as report:
-        rec = run(
-            true,
-            brain,
-            reference,
-            duration,
-            q0=nominal.integrate(q_start, [start_error] * nominal.nv),
-            substeps=substeps,
-            progress=report,
-        )
+    try:
+        with progress_bar(nominal.name) as report:
+            rec = run(
+                true,
+                brain,
+                reference,
+                duration,
+                q0=nominal.integrate(q_start, [start_error] * nominal.nv),
+                substeps=substeps,
+                progress=report,
+            )
+    except DivergenceError as error:
+        error.recording.save(folder / "run.npz")
+        raise
     rec.save(folder / "run.npz")
     summary = summarize(rec)
     write_json(folder / "metrics.json", summary.as_dict())

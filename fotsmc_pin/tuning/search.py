@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
-from fotsmc_pin import checks
-from fotsmc_pin.errors import MissingDependencyError
+from fotsmc_pin.tuning.minimize import minimize
 from fotsmc_pin.tuning.space import search_space
 
 if TYPE_CHECKING:
@@ -43,9 +42,8 @@ def search_gains(
 ) -> Tuned:
     """Search the gains of `law` that make `cost` small, from `start` on.
 
-    The search is Optuna's tree-structured Parzen estimator over `search_space(law, start)`. The
-    first trial is `start` itself, so that the outcome is never worse. The same seed gives the
-    same outcome.
+    The search is `minimize` over `search_space(law, start)`: its first trial is `start`, as far as
+    that lies inside the space, and the same seed gives the same outcome.
 
     Args:
         law: the control law.
@@ -58,29 +56,12 @@ def search_gains(
     Raises:
         MissingDependencyError: Optuna is not installed.
     """
-    try:
-        import optuna
-    except ImportError as error:
-        raise MissingDependencyError(
-            "the search of gains needs Optuna: pip install 'fotsmc_pin[tune]'"
-        ) from error
-    trials = checks.count("trials", trials)
     fixed = dict(start or {})
     space = {name: span for name, span in search_space(law, fixed).items() if name not in hold}
-    defaults: dict[str, Any] = {field.name: field.default for field in fields(law.Gains)}
-
-    def objective(trial: Any) -> float:
-        drawn = {
-            name: trial.suggest_float(name, span.low, span.high, log=span.logarithmic)
-            for name, span in space.items()
-        }
-        return cost(fixed | drawn)
-
-    optuna.logging.set_verbosity(optuna.logging.WARNING)
-    study = optuna.create_study(sampler=optuna.samplers.TPESampler(seed=seed))
-    first = {name: (defaults | fixed)[name] for name in space}
-    study.enqueue_trial(
-        {name: min(max(value, space[name].low), space[name].high) for name, value in first.items()}
+    defaults: dict[str, Any] = {field.name: field.default for field in fields(law.Gains)} | fixed
+    first = {name: min(max(defaults[name], span.low), span.high) for name, span in space.items()}
+    found = minimize(
+        lambda drawn: cost(fixed | drawn), space, start=first, trials=trials, seed=seed
     )
-    study.optimize(objective, n_trials=trials)
-    return Tuned(gains=fixed | study.best_params, cost=study.best_value, trials=trials, seed=seed)
+    best = fixed | found
+    return Tuned(gains=best, cost=cost(best), trials=trials, seed=seed)

@@ -7,6 +7,8 @@ import time
 
 import pytest
 
+from fotsmc_pin.simulation import Recording
+
 
 def fotsmc(*arguments, cwd):
     """Run the command line as its users do, in a process of its own."""
@@ -85,3 +87,12 @@ def test_the_panda_with_heavier_links_is_tracked_within_5_mrad(tmp_path):
     metrics = json.loads((tmp_path / "panda/metrics.json").read_text())
     assert metrics["tail_rms_error"] < 5e-3
     assert metrics["saturation_fraction"] == 0.0
+
+
+def test_a_run_that_diverges_says_when_and_where_and_keeps_what_was_recorded(tmp_path):
+    wild = ("--controller", "LinearSMC", "--gain", "Lambda=1e7", "--gain", "K=1e7", "--dt", "0.5")
+    result = fotsmc("simulate", "two_link", *wild, "--duration", "20", "--out", "x", cwd=tmp_path)
+    assert result.returncode == 2
+    assert "diverged at t = " in result.stderr
+    assert "joint1" in result.stderr
+    assert 0 < len(Recording.load(tmp_path / "x/run.npz")) < 41
