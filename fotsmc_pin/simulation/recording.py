@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import json
-import zipfile
-import zlib
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
@@ -23,10 +21,8 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-FORMAT = 1
+FORMAT = 2
 SIGNAL_PREFIX = "signal."
-DAMAGE = (KeyError, TypeError, ValueError, EOFError, zipfile.BadZipFile, zlib.error)
-"""What reading a damaged or foreign file raises."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,7 +70,12 @@ class Recording:
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write everything into one compressed `.npz` file, without pickle, whole or not at all."""
-        header = {"format": FORMAT, "arm": self.arm.to_dict(), "metadata": self.metadata}
+        header = {
+            "format": FORMAT,
+            "arm": self.arm.to_dict(),
+            "metadata": self.metadata,
+            "signals": [*self.signals],
+        }
         arrays = {name: getattr(self, name) for name in ARRAYS}
         arrays |= {SIGNAL_PREFIX + name: signal for name, signal in self.signals.items()}
         with replacing(path) as stream:
@@ -88,28 +89,28 @@ class Recording:
             RecordingError: the file is no recording, or a damaged one.
             FileNotFoundError: no such file.
         """
-        try:
-            with Path(path).open("rb") as stream, np.load(stream, allow_pickle=False) as file:
-                header = json.loads(str(file["header"]))
-                arrays = {name: file[name] for name in file.files if name != "header"}
+        with Path(path).open("rb") as stream:
+            try:
+                return cls._read(path, stream)
+            except RecordingError:
+                raise
+            except Exception as error:  # the parsers raise many kinds on damaged bytes
+                raise RecordingError(f"{path}: not a recording of fotsmc_pin ({error})") from error
+
+    @classmethod
+    def _read(cls, path: str | os.PathLike[str], stream: BinaryIO) -> Recording:
+        with np.load(stream, allow_pickle=False) as file:
+            header = json.loads(str(file["header"]))
             if header["format"] != FORMAT:
                 raise RecordingError(
                     f"{path}: recording format {header['format']}, this version reads {FORMAT}"
                 )
             return cls(
-                **{name: arrays[name] for name in ARRAYS},
-                signals={
-                    name.removeprefix(SIGNAL_PREFIX): array
-                    for name, array in arrays.items()
-                    if name.startswith(SIGNAL_PREFIX)
-                },
+                **{name: file[name] for name in ARRAYS},
+                signals={name: file[SIGNAL_PREFIX + name] for name in header["signals"]},
                 arm=Arm.from_dict(header["arm"]),
                 metadata=header["metadata"],
             )
-        except DAMAGE as error:
-            if isinstance(error, RecordingError):
-                raise
-            raise RecordingError(f"{path}: not a recording of fotsmc_pin ({error})") from error
 
 
 ARRAYS = tuple(f.name for f in fields(Recording) if f.name not in ("signals", "arm", "metadata"))
