@@ -25,26 +25,30 @@ if TYPE_CHECKING:
 @overload
 def kernel(function: Function) -> Function: ...
 @overload
-def kernel(*, sums_in_any_order: bool) -> Callable[[Function], Function]: ...
-def kernel(function: Any = None, *, sums_in_any_order: bool = False) -> Any:
+def kernel(*, rounds_freely: bool) -> Callable[[Function], Function]: ...
+def kernel(function: Any = None, *, rounds_freely: bool = False) -> Any:
     """Compile `function` on its first call and keep the machine code on disk.
 
     With `NUMBA_DISABLE_JIT=1` the function stays plain Python. Where no cache folder can be
     written, or the function's module cannot be imported by its name, the kernel is compiled anew
-    in each process.
+    in each process. A division by zero gives infinity or NaN and no error: where a call may fail,
+    Numba counts references to each array in it, which costs more than a short kernel's arithmetic.
 
     Args:
         function: what to compile.
-        sums_in_any_order: let the processor add several terms of a sum at a time, which rounds
-            differently from adding them one after the other.
+        rounds_freely: let the processor add several terms of a sum at a time, and multiply and add
+            in one step, which rounds differently from one operation after the other.
     """
     if function is None:
-        return partial(kernel, sums_in_any_order=sums_in_any_order)
-    freedom = {"reassoc"} if sums_in_any_order else False
+        return partial(kernel, rounds_freely=rounds_freely)
+    options = {
+        "error_model": "numpy",
+        "fastmath": {"reassoc", "contract"} if rounds_freely else False,
+    }
     try:
-        compiled = numba.njit(cache=_importable(function), fastmath=freedom)(function)
+        compiled = numba.njit(cache=_importable(function), **options)(function)
     except RuntimeError:  # Numba found no folder that it may write to.
-        compiled = numba.njit(fastmath=freedom)(function)
+        compiled = numba.njit(**options)(function)
     _follow_every_source(compiled)
     return compiled
 

@@ -31,7 +31,6 @@ from fotsmc_pin.fractional.layout import (
     DIFFERENTIATES,
     EXPONENT,
     FIRST_MODE,
-    GAIN,
     HEADER,
     HISTORY,
     LAST,
@@ -60,123 +59,142 @@ TINY = 1e-280
 @kernel
 def advance(coefficients: Array, memory: Array, x: Array, dt: float, y: Array) -> None:
     """Take the next sample and write the output to `y`: `predict` and `commit` in one."""
-    gain = predict(coefficients, memory, dt, y)
+    if _is_plain(coefficients, memory, dt):
+        _move(coefficients, memory, x, dt, coefficients, y)
+        return
+    gain = _predict(coefficients, memory, dt, y)
     for j in range(x.size):
         y[j] += gain * x[j]
-    commit(coefficients, memory, x, dt)
+    _commit(coefficients, memory, x, dt)
 
 
-@kernel(sums_in_any_order=True)
+@kernel
 def predict(coefficients: Array, memory: Array, dt: float, y_history: Array) -> float:
     """Write what the past adds to the next output; return the gain of the next sample.
 
     The output for a sample `x` after `dt` is `y_history + gain x`. The memory stays as it is.
     """
-    header, n = coefficients[HEADER], memory.shape[0]
-    scheme, slope, tempering = header[SCHEME], header[DIFFERENTIATES], header[TEMPERING]
-    count = memory[0, COUNT]
-    for j in range(n):
-        y_history[j] = memory[j, HISTORY]
-    if count == 0.0:
-        return float(header[START_GAIN])
-    if dt == header[PERIOD]:
-        l0, l1, l2 = header[OUTPUT_GAINS], header[OUTPUT_GAINS + 1], header[OUTPUT_GAINS + 2]
+    if _is_plain(coefficients, memory, dt):
+        return _plain_predict(coefficients, memory, dt, y_history)
+    return _predict(coefficients, memory, dt, y_history)
+
+
+@kernel
+def commit(coefficients: Array, memory: Array, x: Array, dt: float) -> None:
+    """Store the next sample, and move the modes over the interval that it ends."""
+    if _is_plain(coefficients, memory, dt):
+        _move(coefficients, memory, x, dt, coefficients, None)
     else:
-        l0, l1, l2 = output_gains(
-            scheme, slope, tempering, dt, header[EXPONENT], header[NORMALIZER]
-        )
-        modes = memory.shape[1] - FIRST_MODE
-        decays = np.empty(modes)
-        for k in range(modes):
-            decays[k] = mode_decay(scheme, tempering, dt, coefficients[RATE, k])
-        for j in range(n):
-            row = memory[j, FIRST_MODE:]
-            total = 0.0
-            for k in range(modes):
-                total += decays[k] * row[k]
-            y_history[j] = total
-    bend, ratio = _bend(scheme, count, dt, memory[0, LAST_PERIOD])
-    if bend != 0.0 and count == 2.0:
-        for k in range(memory.shape[1] - FIRST_MODE):
-            rate, weight = coefficients[RATE, k], coefficients[WEIGHT, k]
-            decay = mode_decay(scheme, tempering, dt, rate)
-            l2 += decay * _bent_first(scheme, slope, tempering, dt, ratio, rate, weight)
-    bend *= l2
-    gain = l0 + l1 + bend
+        _commit(coefficients, memory, x, dt)
+
+
+@kernel
+def _is_plain(coefficients: Array, memory: Array, dt: float) -> bool:
+    """Return whether this is a sample like most: one nominal period after two others or more.
+
+    Such samples read tables only, and take a short way.
+    """
+    return bool(dt == coefficients[HEADER, PERIOD] and memory[0, COUNT] > 2.0)
+
+
+@kernel(rounds_freely=True)
+def _move(
+    coefficients: Array, memory: Array, x: Array, dt: float, response: Array, y: Array | None
+) -> None:
+    """Store a sample; write the output of a plain one to `y`, unless that is None.
+
+    The last four rows of `response` are the decay of each mode over the interval that ends, and
+    what value, difference and curvature add to it.
+    """
+    n, modes = memory.shape[0], memory.shape[1] - FIRST_MODE
+    l0 = coefficients[HEADER, OUTPUT_GAINS]
+    l1 = coefficients[HEADER, OUTPUT_GAINS + 1]
+    l2 = coefficients[HEADER, OUTPUT_GAINS + 2]
+    decay, g0, g1, g2 = response[-4], response[-3], response[-2], response[-1]
+    next_decay = coefficients[DECAY]
+    bend, ratio = _bend(coefficients[HEADER, SCHEME], memory[0, COUNT], dt, memory[0, LAST_PERIOD])
     for j in range(n):
+        row = memory[j]
+        value, last = x[j], row[LAST]
+        difference = value - last
+        curvature = bend * (difference - ratio * (last - row[BEFORE_LAST]))
+        if y is not None:
+            y[j] = row[HISTORY] + l0 * value + l1 * difference + l2 * curvature
+        mode = row[FIRST_MODE:]
+        history = 0.0
+        for k in range(modes):
+            moved = decay[k] * mode[k] + g0[k] * value + g1[k] * difference + g2[k] * curvature
+            if abs(moved) < TINY:
+                moved = 0.0
+            mode[k] = moved
+            history += next_decay[k] * moved
+        row[HISTORY], row[BEFORE_LAST], row[LAST] = history, last, value
+    memory[0, LAST_PERIOD] = dt
+    memory[0, COUNT] += 1.0
+
+
+@kernel
+def _plain_predict(coefficients: Array, memory: Array, dt: float, y_history: Array) -> float:
+    """Do the work of `predict` for a plain sample."""
+    l0 = coefficients[HEADER, OUTPUT_GAINS]
+    bend, ratio = _bend(coefficients[HEADER, SCHEME], memory[0, COUNT], dt, memory[0, LAST_PERIOD])
+    bend *= coefficients[HEADER, OUTPUT_GAINS + 2]
+    gain = l0 + coefficients[HEADER, OUTPUT_GAINS + 1] + bend
+    for j in range(memory.shape[0]):
         last = memory[j, LAST]
-        y_history[j] += (l0 - gain) * last - bend * ratio * (last - memory[j, BEFORE_LAST])
+        turn = ratio * (last - memory[j, BEFORE_LAST])
+        y_history[j] = memory[j, HISTORY] + (l0 - gain) * last - bend * turn
     return float(gain)
 
 
-@kernel(sums_in_any_order=True)
-def commit(coefficients: Array, memory: Array, x: Array, dt: float) -> None:
-    """Store the next sample, and move the modes over the interval that it ends."""
+@kernel(rounds_freely=True)
+def _predict(coefficients: Array, memory: Array, dt: float, y_history: Array) -> float:
+    """Do the work of `predict` for any sample."""
     header, n, modes = coefficients[HEADER], memory.shape[0], memory.shape[1] - FIRST_MODE
     scheme, slope, tempering = header[SCHEME], header[DIFFERENTIATES], header[TEMPERING]
     count = memory[0, COUNT]
+    if count == 0.0:
+        y_history[:n] = 0.0
+        return float(header[START_GAIN])
+    l0, l1, l2 = output_gains(scheme, slope, tempering, dt, header[EXPONENT], header[NORMALIZER])
     bend, ratio = _bend(scheme, count, dt, memory[0, LAST_PERIOD])
-    if bend != 0.0 and count == 2.0:
-        for k in range(modes):
-            rate, weight = coefficients[RATE, k], coefficients[WEIGHT, k]
-            gain = bend * _bent_first(scheme, slope, tempering, dt, ratio, rate, weight)
-            for j in range(n):
-                last = memory[j, LAST]
-                turn = x[j] - last - ratio * (last - memory[j, BEFORE_LAST])
-                memory[j, FIRST_MODE + k] += gain * turn
-
-    if count > 0.0 and dt == header[PERIOD]:
-        decay = coefficients[DECAY]
-        g0, g1, g2 = coefficients[GAIN], coefficients[GAIN + 1], coefficients[GAIN + 2]
-        for j in range(n):
-            value, last = x[j], memory[j, LAST]
-            difference = value - last
-            curvature = bend * (difference - ratio * (last - memory[j, BEFORE_LAST]))
-            row = memory[j, FIRST_MODE:]
-            history = 0.0
-            for k in range(modes):
-                mode = decay[k] * row[k] + g0[k] * value + g1[k] * difference + g2[k] * curvature
-                if abs(mode) < TINY:
-                    mode = 0.0
-                row[k] = mode
-                history += decay[k] * mode
-            memory[j, HISTORY] = history
-    elif count > 0.0:
-        table = np.empty((4, modes))
-        for k in range(modes):
-            rate, weight = coefficients[RATE, k], coefficients[WEIGHT, k]
-            table[0, k], table[1, k], table[2, k], table[3, k] = mode_response(
-                scheme, slope, tempering, dt, rate, weight
-            )
-        nominal_decay = coefficients[DECAY]
-        for j in range(n):
-            value, last = x[j], memory[j, LAST]
-            difference = value - last
-            curvature = bend * (difference - ratio * (last - memory[j, BEFORE_LAST]))
-            row = memory[j, FIRST_MODE:]
-            for k in range(modes):
-                mode = table[0, k] * row[k]
-                mode += table[1, k] * value + table[2, k] * difference + table[3, k] * curvature
-                if abs(mode) < TINY:
-                    mode = 0.0
-                row[k] = mode
-            history = 0.0
-            for k in range(modes):
-                history += nominal_decay[k] * row[k]
-            memory[j, HISTORY] = history
-    else:
-        for j in range(n):
-            memory[j, LAST] = x[j]
-            for k in range(modes):
-                mode = coefficients[START, k] * x[j]
-                memory[j, FIRST_MODE + k] = mode
-                memory[j, HISTORY] += coefficients[DECAY, k] * mode
-
+    decay = np.empty(modes)
+    for k in range(modes):
+        rate, weight = coefficients[RATE, k], coefficients[WEIGHT, k]
+        decay[k] = mode_decay(scheme, tempering, dt, rate)
+        if bend != 0.0 and count == 2.0:
+            l2 += decay[k] * _bent_first(scheme, slope, tempering, dt, ratio, rate, weight)
+    bend *= l2
+    gain = l0 + l1 + bend
     for j in range(n):
-        memory[j, BEFORE_LAST] = memory[j, LAST]
-        memory[j, LAST] = x[j]
-    memory[0, LAST_PERIOD] = dt
-    memory[0, COUNT] = count + 1.0
+        last, mode = memory[j, LAST], memory[j, FIRST_MODE:]
+        history = (l0 - gain) * last - bend * ratio * (last - memory[j, BEFORE_LAST])
+        for k in range(modes):
+            history += decay[k] * mode[k]
+        y_history[j] = history
+    return float(gain)
+
+
+@kernel
+def _commit(coefficients: Array, memory: Array, x: Array, dt: float) -> None:
+    """Do the work of `commit` for any sample."""
+    header, n, modes = coefficients[HEADER], memory.shape[0], memory.shape[1] - FIRST_MODE
+    scheme, slope, tempering = header[SCHEME], header[DIFFERENTIATES], header[TEMPERING]
+    count = memory[0, COUNT]
+    response = np.zeros((4, modes))
+    if count == 0.0:  # A step from nothing, which the modes take in as a value.
+        response[1] = coefficients[START, :modes]
+    else:
+        bend, ratio = _bend(scheme, count, dt, memory[0, LAST_PERIOD])
+        for k in range(modes):
+            rate, weight = coefficients[RATE, k], coefficients[WEIGHT, k]
+            decay, g0, g1, g2 = mode_response(scheme, slope, tempering, dt, rate, weight)
+            if bend != 0.0 and count == 2.0:
+                g2 += decay * _bent_first(scheme, slope, tempering, dt, ratio, rate, weight)
+            response[0, k], response[1, k], response[2, k], response[3, k] = decay, g0, g1, g2
+    _move(coefficients, memory, x, dt, response, None)
+    if count == 0.0:
+        memory[:n, BEFORE_LAST] = x
 
 
 @kernel

@@ -166,7 +166,7 @@ def test_the_output_is_affine_in_the_newest_sample(kind, scheme, dt):
         for x in noise(3, seed=4):
             stream.memory[:] = before
             advance(stream.coefficients, stream.memory, x, dt, y)
-            np.testing.assert_array_equal(y, history + gain * x)
+            np.testing.assert_allclose(y, history + gain * x, rtol=1e-13, atol=1e-15)
         after = stream.memory.copy()
         stream.memory[:] = before
         commit(stream.coefficients, stream.memory, x, dt)
