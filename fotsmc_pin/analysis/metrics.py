@@ -19,6 +19,28 @@ if TYPE_CHECKING:
 
 AT_LIMIT = 1.0 - 1e-9
 
+UNITS = {
+    "settling_time": "s",
+    "settling_time_1_mrad": "s",
+    "settling_time_0_1_mrad": "s",
+    "rms_error": "rad",
+    "tail_rms_error": "rad",
+    "max_error": "rad",
+    "max_tail_error": "rad",
+    "iae": "rad·s",
+    "ise": "rad²·s",
+    "itae": "rad·s²",
+    "peak_torque": "N·m",
+    "rms_torque": "N·m",
+    "torque_variation": "N·m/s",
+    "tail_torque_variation": "N·m/s",
+    "chattering": "–",
+    "energy": "J",
+    "saturation_fraction": "–",
+    "duration": "s",
+}
+"""Units of the figures of `Summary`, for an arm whose joints all turn."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Summary:

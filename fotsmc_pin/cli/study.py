@@ -36,8 +36,11 @@ def study_command(
     """
     from rich.console import Console
 
+    from fotsmc_pin import checks
+    from fotsmc_pin.analysis.metrics import UNITS
     from fotsmc_pin.studies import read_study, study
 
+    checks.choice("figure", figure, [*UNITS])
     run, arguments = read_study(file)
     folder = out or Path("out") / file.stem
     if force or not (folder / STORE).is_file():
@@ -69,8 +72,10 @@ def study_command(
 
 def _show(console: object, found: Study, names: list[str], figure: str, folder: Path) -> None:
     from rich.console import Console
+    from rich.markup import escape
     from rich.table import Table
 
+    from fotsmc_pin.analysis.metrics import UNITS
     from fotsmc_pin.studies import Study
     from fotsmc_pin.view import distribution_figure, save_figure
 
@@ -78,19 +83,19 @@ def _show(console: object, found: Study, names: list[str], figure: str, folder: 
     for row in found.succeeded:
         name = ", ".join(str(row.parameters[name]) for name in names) or "all runs"
         groups[name] = Study((*groups.get(name, Study(())).rows, row))
-    table = Table(title=figure, title_justify="left")
+    unit = UNITS[figure]
+    table = Table(title=escape(f"{figure} [{unit}]"), title_justify="left")
     table.add_column("group")
     for column in ("runs", "5 %", "median", "95 %", "worst"):
         table.add_column(column, justify="right")
     for name, group in groups.items():
         quantiles = (f"{value:.4g}" for value in group.quantiles(figure))
-        table.add_row(name, str(len(group)), *quantiles)
+        table.add_row(escape(name), str(len(group)), *quantiles)
     if isinstance(console, Console):
         console.print(table)
     values = {name: group.figure(figure) for name, group in groups.items()}
-    save_figure(
-        distribution_figure(values, figure.replace("_", " "), "SI units"), folder / "distribution"
-    )
+    shown = distribution_figure(values, figure.replace("_", " "), unit)
+    save_figure(shown, folder / "distribution")
 
 
 def _keep_worst(run: ClosedLoop, row: Row, folder: Path) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.view.palette import COLORS
-from fotsmc_pin.view.style import new_figure, paper_style
+from fotsmc_pin.view.style import legend_above, new_figure, paper_style
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -51,7 +51,7 @@ def distribution_figure(
         panel.set_xlabel(f"{quantity} [{unit}]")
         panel.set_ylabel("runs at or below [%]")
         panel.set_ylim(0.0, 102.0)
-        panel.legend(loc="lower right")
+        legend_above(figure, panel)
     return figure
 
 

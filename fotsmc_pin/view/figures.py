@@ -9,7 +9,7 @@ import numpy as np
 from fotsmc_pin.checks import choice
 from fotsmc_pin.view.curves import thinned_curves
 from fotsmc_pin.view.palette import BLACK, COLORS, VERMILLION
-from fotsmc_pin.view.style import label_axis, label_time, new_figure, paper_style
+from fotsmc_pin.view.style import label_axis, label_time, legend_above, new_figure, paper_style
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -136,8 +136,7 @@ def overview_figure(recording: Recording) -> Figure:
                 draw(panel, recording.t, table[:, column], label=label, **line_style(column))
             label_axis(panel, quantity, ", ".join(dict.fromkeys(units)))
         if recording.arm.nv > 1:
-            lines, labels = axes[0, 0].get_legend_handles_labels()
-            figure.legend(lines, labels, loc="outside upper center", ncols=min(len(labels), 7))
+            legend_above(figure, axes[0, 0])
         label_time(axes)
     return figure
 
@@ -167,11 +166,7 @@ def comparison_figure(
                 if quantity == "torque":
                     draw_limits(panel, first, joint)
             row[0].set_title(_name(first, joint), loc="left")
-        figure.legend(
-            *axes[0, 0].get_legend_handles_labels(),
-            loc="outside upper center",
-            ncols=min(len(recordings), 5),
-        )
+        legend_above(figure, axes[0, 0])
         label_time(axes)
     return figure
 

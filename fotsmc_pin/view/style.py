@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -96,6 +97,17 @@ def new_figure(
             rows, columns, sharex=True, sharey="row" if share_y else False, squeeze=False
         )
     return figure, axes
+
+
+def legend_above(figure: Figure, axes: Axes) -> None:
+    """Name the curves of `axes` above the figure, on as many rows as its width asks for."""
+    lines, labels = axes.get_legend_handles_labels()
+    for rows in range(1, len(labels) + 1):
+        columns = math.ceil(len(labels) / rows)
+        legend = figure.legend(lines, labels, loc="outside upper center", ncols=columns)
+        if columns == 1 or legend.get_window_extent().width <= figure.bbox.width:
+            return
+        legend.remove()
 
 
 def label_axis(axes: Axes, quantity: str, unit: str) -> None:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from fotsmc_pin.analysis import Summary, settling_time, summarize
+from fotsmc_pin.analysis.metrics import UNITS
 from fotsmc_pin.arms import load_arm
 from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.simulation import Recording
@@ -114,6 +115,14 @@ def test_energy_counts_work_done_and_absorbed(record):
 def test_saturation_is_the_share_of_ticks_with_a_joint_at_its_limit(record):
     s = summarize(record(tau=lambda t: np.where(t < 2.5, -50.0, 49.0)))
     assert s.saturation_fraction == pytest.approx(0.25, abs=1e-3)
+
+
+def test_every_figure_has_the_unit_of_its_definition():
+    assert [*UNITS] == [figure.name for figure in fields(Summary)]
+    words = " " + " ".join(Summary.__doc__.split("Attributes:")[1].split())
+    for name, unit in UNITS.items():
+        definition = words.split(f" {name}: ", 1)[1].split(". ")[0]
+        assert f"[{unit}]" in definition or unit == "–", name
 
 
 def test_every_figure_is_defined_and_a_plain_number(record):

@@ -1,6 +1,8 @@
 """The command line: what it writes, what it refuses, and how it says so."""
 
+import contextlib
 import json
+import sqlite3
 import subprocess
 import sys
 import time
@@ -96,3 +98,46 @@ def test_a_run_that_diverges_says_when_and_where_and_keeps_what_was_recorded(tmp
     assert "diverged at t = " in result.stderr
     assert "joint1" in result.stderr
     assert 0 < len(Recording.load(tmp_path / "x/run.npz")) < 41
+
+
+STUDY = """
+[study]
+repeats = {repeats}
+[run]
+arm = "two_link"
+duration = 0.2
+[grid]
+controller = ["RobustFONFTSM", "ComputedTorque"]
+[draws]
+mass_scale = {{ low = 0.9, high = 1.1 }}
+"""
+
+
+def test_a_study_leaves_its_runs_their_distribution_and_the_worst_and_goes_on(tmp_path):
+    file, store = tmp_path / "heavy.toml", tmp_path / "out/heavy/study.sqlite"
+
+    def runs():
+        with contextlib.closing(sqlite3.connect(store)) as database:
+            return set(database.execute("SELECT seed, parameters, seconds FROM runs"))
+
+    file.write_text(STUDY.format(repeats=2))
+    refused = fotsmc("study", file.name, "--figure", "tail_error", cwd=tmp_path)
+    assert refused.returncode == 2
+    assert "tail_rms_error" in refused.stderr
+    assert not store.exists()
+
+    first = fotsmc("study", file.name, cwd=tmp_path)
+    assert first.returncode == 0, first.stderr
+    assert "tail_rms_error [rad]" in first.stdout
+    assert "All 4 runs" in first.stdout
+    for name in ("distribution.png", "distribution.svg", "worst.npz", "worst.png", "worst.html"):
+        assert (store.parent / name).stat().st_size > 1000
+    assert "[rad]" in (store.parent / "distribution.svg").read_text()
+    before = runs()
+    assert len(before) == 4
+
+    file.write_text(STUDY.format(repeats=3))
+    second = fotsmc("study", file.name, cwd=tmp_path)
+    assert "All 6 runs" in second.stdout
+    assert len(runs()) == 6
+    assert before < runs(), "a run that was there was run again"

@@ -40,6 +40,30 @@ def test_figures_fit_the_columns_of_a_journal(kind, two_link):
 
 
 @pytest.mark.parametrize(
+    "figure",
+    [
+        lambda panda: view.overview_figure(panda),
+        lambda panda: view.comparison_figure(
+            dict.fromkeys((f"the controller number {k} of many" for k in range(5)), panda)
+        ),
+        lambda _: view.distribution_figure(
+            {f"group {k}" * 2: [1.0, 2.0] for k in range(4)}, "a", "s"
+        ),
+    ],
+    ids=["overview", "comparison", "distribution"],
+)
+def test_a_legend_stays_inside_its_figure(figure, make_recording):
+    figure = figure(make_recording(fp.load_arm("panda")))
+    figure.draw_without_rendering()
+    (legend,) = figure.legends
+    box = legend.get_window_extent()
+    assert box.x0 >= 0.0
+    assert box.x1 <= figure.bbox.width
+    assert box.y1 <= figure.bbox.height
+    assert box.y0 >= max(axes.bbox.y1 for axes in figure.axes)
+
+
+@pytest.mark.parametrize(
     ("kind", "ending"), [("tracking", "svg"), ("torque", "png"), ("overview", "pdf")]
 )
 def test_same_run_gives_the_same_bytes(kind, ending, two_link, tmp_path):
