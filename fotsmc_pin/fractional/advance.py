@@ -229,14 +229,14 @@ def _bent_first(
 
 
 @kernel
-def advance_in_place(coefficients: Array, memory: Array, x: Array, dt: float) -> bool:
-    """Turn the sample `x` into the output; where an entry is not finite leave all as it is."""
+def advance_checked(coefficients: Array, memory: Array, x: Array, dt: float, y: Array) -> bool:
+    """Call `advance`; where `x` has another shape or is not finite, leave all as it is."""
+    if x.shape != y.shape:
+        return False
     for j in range(x.size):
         if not math.isfinite(x[j]):
             return False
-    y = np.empty(x.size)
     advance(coefficients, memory, x, dt, y)
-    x[:] = y
     return True
 
 

@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
 from fotsmc_pin.checks import finite_number, finite_vector
+from fotsmc_pin.compiled import strict
 from fotsmc_pin.errors import ArgumentError
-from fotsmc_pin.fractional.advance import advance_in_place, advance_many
-from fotsmc_pin.fractional.layout import FIRST_MODE, HEADER, MODES, PERIOD
+from fotsmc_pin.fractional.advance import advance_checked, advance_many
+from fotsmc_pin.fractional.layout import (
+    FIRST_MODE,
+    HEADER,
+    HEADER_COLUMNS,
+    MODES,
+    PERIOD,
+    ROWS,
+)
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     from numpy.typing import ArrayLike, NDArray
 
@@ -64,11 +73,17 @@ class Stream:
             ArgumentError: the sample is not finite or has another shape, or the period is not
                 above zero. The state stays as it was.
         """
-        sample = self._sample(x)
         period = self._dt if dt is None else finite_number("dt", dt, above=0)
-        if not advance_in_place(self.coefficients, self.memory, sample, period):
-            raise ArgumentError("x", x, "every entry must be finite")
-        return sample
+        y = np.empty(self.memory.shape[0])
+        advance = _advance()
+        try:
+            taken = advance(self.coefficients, self.memory, x, period, y)  # type: ignore[arg-type]
+        except (AttributeError, TypeError):  # not a plain array of floats
+            taken = False
+        if not taken:
+            sample = finite_vector("x", x, self.n)
+            advance(self.coefficients, self.memory, sample, period, y)
+        return y
 
     def update_many(self, samples: ArrayLike, dt: ArrayLike | None = None) -> Array:
         """Take many samples at once, as `update` would one by one.
@@ -140,12 +155,11 @@ class Stream:
         self.coefficients = coefficients
         self.memory[:] = memory
 
-    def _sample(self, x: ArrayLike) -> Array:
-        """Return a fresh float64 copy of `x` of shape (n,)."""
-        try:
-            sample = np.array(x, dtype=np.float64)
-        except (TypeError, ValueError):
-            return finite_vector("x", x, self.n)
-        if sample.shape != self.memory.shape[:1]:
-            return finite_vector("x", x, self.n)
-        return sample
+
+@cache
+def _advance() -> Callable[[Array, Array, Array, float, Array], bool]:
+    """Return `advance_checked`, compiled for the arrays of a stream and refusing all others."""
+    stream = Stream(np.zeros((ROWS, HEADER_COLUMNS)), 1)
+    stream.coefficients.setflags(write=False)
+    row = np.zeros(1)
+    return strict(advance_checked, stream.coefficients, stream.memory, row, 1.0, row)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import sys
 import time
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,6 +21,8 @@ from tests.fractional.oracles import FUNCTIONS, instants
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
+    from fotsmc_pin.fractional import Stream
+
 ORDERS = (0.1, 0.5, 0.9)
 
 
@@ -31,14 +34,17 @@ def table(title: str, head: Iterable[str], rows: Iterable[Iterable[str]]) -> Non
     sys.stdout.flush()
 
 
-def seconds_per_call(call: Callable[[], object], calls: int, repeats: int = 25) -> float:
-    """Least of several repeats: what the machine does when it does nothing else."""
-    least = float("inf")
-    for _ in range(repeats):
-        start = time.perf_counter()
-        for _ in range(calls):
+def least_seconds(calls: dict[object, Callable[[], object]], rounds: int) -> dict[object, float]:
+    """Least time of each call: what the machine does when it does nothing else.
+
+    All take turns in every round, so that a machine that is slow for some seconds slows none.
+    """
+    least = dict.fromkeys(calls, float("inf"))
+    for _ in range(rounds):
+        for name, call in calls.items():
+            start = time.perf_counter()
             call()
-        least = min(least, (time.perf_counter() - start) / calls)
+            least[name] = min(least[name], time.perf_counter() - start)
     return least
 
 
@@ -113,29 +119,49 @@ def _many_ticks(coefficients, memory, x, dt, y, ticks):  # type: ignore[no-untyp
 
 
 def cost() -> None:
-    rows = []
+    samples = np.random.default_rng(0).normal(size=(500, 7))
+    x, y, ticks = samples[0].copy(), np.empty(7), 1000
+    calls: dict[object, Callable[[], object]] = {}
+    sizes = {}
     for scheme in ("linear", "quadratic", "grunwald-letnikov"):
         for order in ORDERS:
-            stream = FractionalDerivative(order=order, dt=1e-3, scheme=scheme).stream(7)
-            samples = np.random.default_rng(0).normal(size=(1000, 7))
-            x, y = samples[0].copy(), np.empty(7)
+            young, old, inner = (
+                FractionalDerivative(order=order, dt=1e-3, scheme=scheme).stream(7)
+                for _ in range(3)
+            )
+            old.update_many(np.random.default_rng(1).normal(size=(10**6, 7)))
+            sizes[scheme, order] = old.memory.size
 
-            def ticks(dt: float, stream=stream, x=x, y=y) -> None:
-                _many_ticks(stream.coefficients, stream.memory, x, dt, y, 2000)
-
-            def updates(stream=stream, samples=samples) -> None:
+            def updates(stream: Stream) -> None:
+                stream.reset()
                 for sample in samples:
                     stream.update(sample)
 
-            ticks(1e-3)
-            early = seconds_per_call(updates, 1) / 1000
-            stream.update_many(np.random.default_rng(1).normal(size=(10**6, 7)))
-            late = seconds_per_call(updates, 1) / 1000
-            inside = seconds_per_call(lambda f=ticks: f(1e-3), 1) / 2000
-            other = seconds_per_call(lambda f=ticks: f(1.1e-3), 1) / 2000
-            numbers = (f"{1e6 * spent:.2f}" for spent in (early, late, inside, other))
-            rows.append([scheme, f"{order}", *numbers, str(stream.memory.size)])
-    head = ["scheme", "order", "update, first 10³", "update, after 10⁶", "in a kernel"]
+            def more_updates(stream: Stream) -> None:
+                for sample in samples:
+                    stream.update(sample)
+
+            def loop(stream: Stream, dt: float) -> None:
+                _many_ticks(stream.coefficients, stream.memory, x, dt, y, ticks)
+
+            calls |= {
+                (scheme, order, "young"): partial(updates, young),
+                (scheme, order, "old"): partial(more_updates, old),
+                (scheme, order, "inside"): partial(loop, inner, 1e-3),
+                (scheme, order, "other dt"): partial(loop, inner, 1.1e-3),
+            }
+    least = least_seconds(calls, rounds=300)
+    repeats = {"young": len(samples), "old": len(samples), "inside": ticks, "other dt": ticks}
+    rows = [
+        [
+            scheme,
+            f"{order}",
+            *(f"{1e6 * least[scheme, order, kind] / n:.2f}" for kind, n in repeats.items()),
+            str(size),
+        ]
+        for (scheme, order), size in sizes.items()
+    ]
+    head = ["scheme", "order", "update, first 500", "update, after 10⁶", "in a kernel"]
     table(
         "Cost of one update of R⁷ [µs]",
         [*head, "in a kernel, other dt", "floats of state"],
