@@ -31,8 +31,10 @@ LARGEST_SPEED = 1e4
 STIFFEST = 1.0
 """Largest `h D / M` of a joint for explicit steps; they are unstable from 2.8 on, and `M` moves."""
 
-# Rows of the plant's workspace.
-V0, V_STAGE, STEP, SUM_V, SUM_A, LOAD, TAU, DISTURBANCE, DAMPING, FRICTION, WIDTH, LIMIT = range(12)
+# Rows of the plant's workspace. A recorder takes the first three as one.
+Q0, V0, TAU, Q_STAGE, V_STAGE, STEP, SUM_V, SUM_A, LOAD = range(9)
+DISTURBANCE, DAMPING, FRICTION, WIDTH, LIMIT = range(9, 14)
+ROWS = 14
 
 
 class Plant:
@@ -51,6 +53,7 @@ class Plant:
         q: configuration (nq,), the plant's own memory.
         v: velocity (nv,), the plant's own memory.
         tau: torque at the joints within the arm's effort limits (nv,), the plant's own memory.
+        live: flat arrays that hold `q`, `v` and `tau`, in this order.
     """
 
     def __init__(
@@ -90,24 +93,28 @@ class Plant:
         self._acceleration: Array = self._data.ddq
         self._disturbance = disturbance
         self._euclidean = arm.is_euclidean
-        self._work = work = np.zeros((12, arm.nv))
-        self._positions = positions = np.array([q0, q0])
-        self.q, self._q_stage = positions
+        self._work = work = np.zeros((ROWS, arm.nv))
         self.v, self.tau = work[V0], work[TAU]
-        self.v[:] = v0
         self._v_stage, self._load, self._step = work[V_STAGE], work[LOAD], work[STEP]
+        if self._euclidean:
+            self.q, self._q_stage = work[Q0], work[Q_STAGE]
+            self.live: tuple[Array, ...] = (work[Q0 : TAU + 1].reshape(-1),)
+        else:  # No plain vectors: what the kernels write to the rows for positions means nothing.
+            self.q, self._q_stage = np.zeros((2, arm.nq))
+            self.live = (self.q, self.v, self.tau)
+        self.q[:], self.v[:] = q0, v0
         self._impulse = np.zeros(arm.nv)
         self._rubs = not rk4 and bool(np.any(arm.friction) or np.any(arm.damping))
         if rk4:
             work[DAMPING], work[FRICTION] = arm.damping, arm.friction
         work[WIDTH] = np.maximum(FRICTION_WIDTH, arm.friction * h / lightest)
         work[LIMIT] = arm.effort_limit
+        a = self._acceleration
         self._begin = settled(begin, work)
-        self._arguments = (self._acceleration, work, positions, self._euclidean)
-        self._rk4_stage = settled(rk4_stage, 0, h, *self._arguments)
-        self._rk4_finish = settled(rk4_finish, h, *self._arguments)
-        self._accelerate = settled(accelerate, h, self._acceleration, work)
-        self._coast = settled(coast, h, work, positions, self._euclidean)
+        self._rk4_stage = settled(rk4_stage, 0, h, a, work)
+        self._rk4_finish = settled(rk4_finish, h, a, work)
+        self._accelerate = settled(accelerate, h, a, work)
+        self._coast = settled(coast, h, work)
 
     def load(self, t: float, tau: Array) -> None:
         """Put `tau` (nv,), as far as the effort limits let it, on the joints at time `t`."""
@@ -132,17 +139,18 @@ class Plant:
 
     def _rk4(self, t: float, h: float) -> int:
         model, data, load, disturbance = self._model, self._data, self._load, self._disturbance
+        stage, acceleration, work = self._rk4_stage, self._acceleration, self._work
         pin.aba(model, data, self.q, self.v, load)
         if disturbance is not None:
-            self._work[DISTURBANCE] = disturbance(t + 0.5 * h)
-        for stage in range(3):
-            if stage == 2 and disturbance is not None:
-                self._work[DISTURBANCE] = disturbance(t + h)
-            self._rk4_stage(stage, h, *self._arguments)
+            work[DISTURBANCE] = disturbance(t + 0.5 * h)
+        for k in range(3):
+            if k == 2 and disturbance is not None:
+                work[DISTURBANCE] = disturbance(t + h)
+            stage(k, h, acceleration, work)
             if not self._euclidean:
                 self._q_stage[:] = pin.integrate(model, self.q, self._step)
             pin.aba(model, data, self._q_stage, self._v_stage, load)
-        lost = self._rk4_finish(h, *self._arguments)
+        lost = self._rk4_finish(h, acceleration, work)
         self._move_continuous_joints()
         return lost
 
@@ -154,7 +162,7 @@ class Plant:
         if self._rubs:
             inverse_mass = pin.computeMinverse(self._model, self._data, self.q)
             rub(h, inverse_mass.T, self._arm.friction, self._arm.damping, self._impulse, self.v)
-        lost = self._coast(h, self._work, self._positions, self._euclidean)
+        lost = self._coast(h, self._work)
         self._move_continuous_joints()
         return lost
 
@@ -211,9 +219,7 @@ def diverged(work: Array) -> int:
 
 
 @kernel
-def rk4_stage(
-    stage: int, h: float, a: Array, work: Array, positions: Array, euclidean: bool
-) -> None:
+def rk4_stage(stage: int, h: float, a: Array, work: Array) -> None:
     """Take in the acceleration of `stage` 0, 1 or 2; prepare the next stage."""
     reach = h if stage == 2 else 0.5 * h
     weight = 1.0 if stage == 0 else 2.0
@@ -223,19 +229,17 @@ def rk4_stage(
         work[SUM_A, j] = weight * a[j] + (0.0 if stage == 0 else work[SUM_A, j])
         work[STEP, j] = reach * v
         work[V_STAGE, j] = work[V0, j] + reach * a[j]
-        if euclidean:
-            positions[1, j] = positions[0, j] + work[STEP, j]
+        work[Q_STAGE, j] = work[Q0, j] + work[STEP, j]
     load(work, work[V_STAGE])
 
 
 @kernel
-def rk4_finish(h: float, a: Array, work: Array, positions: Array, euclidean: bool) -> int:
+def rk4_finish(h: float, a: Array, work: Array) -> int:
     """Take in the last stage and move; return the index of a joint that diverged, or -1."""
     for j in range(a.size):
         work[STEP, j] = h / 6.0 * (work[SUM_V, j] + work[V_STAGE, j])
         work[V0, j] += h / 6.0 * (work[SUM_A, j] + a[j])
-        if euclidean:
-            positions[0, j] += work[STEP, j]
+        work[Q0, j] += work[STEP, j]
     load(work, work[V0])
     return diverged(work)
 
@@ -248,11 +252,10 @@ def accelerate(h: float, a: Array, work: Array) -> None:
 
 
 @kernel
-def coast(h: float, work: Array, positions: Array, euclidean: bool) -> int:
+def coast(h: float, work: Array) -> int:
     """Move with the new velocity; return the index of a joint that diverged, or -1."""
     for j in range(work.shape[1]):
         work[STEP, j] = h * work[V0, j]
-        if euclidean:
-            positions[0, j] += work[STEP, j]
+        work[Q0, j] += work[STEP, j]
     load(work, work[V0])
     return diverged(work)

@@ -44,9 +44,10 @@ class Recorder:
             for name, value in shown.items()
             if name not in self._names
         }
-        self._live = (plant.q, plant.v, plant.tau, *(live[name] for name in self._names))
-        self._table = np.zeros((size, sum(part.size for part in self._live)))
-        self._note = settled(note, self._table[0], self._live)
+        self._widths = [arm.nq, arm.nv, arm.nv, *(live[name].size for name in self._names)]
+        self._live = (*plant.live, *(live[name] for name in self._names))
+        self._table = np.zeros((size, sum(self._widths)))
+        self._note = settled(note, self._table, 0, self._live)
 
     def expect(self, tick: int, q_d: Array, v_d: Array) -> None:
         """Write the reference of the ticks from `tick` on, a row each."""
@@ -58,7 +59,7 @@ class Recorder:
     def add(self) -> None:
         """Write the next row."""
         k = self._filled
-        self._note(self._table[k], self._live)
+        self._note(self._table, k, self._live)
         if self._asked:
             signals: dict[str, Array] = self._controller.signals  # type: ignore[attr-defined]
             for name, rows in self._asked.items():
@@ -68,7 +69,7 @@ class Recorder:
     def recording(self, metadata: dict[str, Any]) -> Recording:
         """Return all rows so far."""
         n = self._filled
-        ends = np.cumsum([0, *(part.size for part in self._live)]).tolist()
+        ends = np.cumsum([0, *self._widths]).tolist()
         parts = [self._table[:n, start:end].copy() for start, end in pairwise(ends)]
         (q, v, tau), live = parts[:3], dict(zip(self._names, parts[3:], strict=True))
         q_d, v_d = self._q_d[:n], self._v_d[:n]
@@ -108,10 +109,10 @@ def errors(arm: Arm, q_d: Array, q: Array) -> Array:
 
 
 @kernel
-def note(row: Array, parts: tuple[Array, ...]) -> None:
-    """Write the parts one after the other into `row`."""
+def note(table: Array, row: int, parts: tuple[Array, ...]) -> None:
+    """Write the parts one after the other into a row of `table`."""
     start = 0
     for part in parts:
         for k in range(part.size):
-            row[start + k] = part[k]
+            table[row, start + k] = part[k]
         start += part.size

@@ -45,7 +45,7 @@ def test_closed_loop(name, integrator, table, benchmark):
     def loop():
         fp.simulate(arm, controller, reference, SECONDS, integrator=integrator)
 
-    found = side_by_side({"bare": bare, "own": own, "loop": loop}, calls=1, rounds=5)
+    found = side_by_side({"bare": bare, "own": own, "loop": loop}, calls=1, rounds=15)
     row = [
         f"{arm.nv} joints, {integrator}",
         f"{1e6 * found.median('loop') / TICKS:.1f}",
