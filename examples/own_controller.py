@@ -16,7 +16,7 @@ import numpy as np
 import fotsmc_pin as fp
 from fotsmc_pin.compiled import kernel
 from fotsmc_pin.control.acceleration_law import AccelerationLaw
-from fotsmc_pin.control.controller import A_D, ED, E
+from fotsmc_pin.control.controller import A_D, ED, LIMIT, TAU, E
 from fotsmc_pin.control.gains import Gains, per_joint
 from fotsmc_pin.control.saturation import inverse_dynamics
 from fotsmc_pin.control.switching import sig
@@ -49,17 +49,16 @@ class TwoPowerSMC(AccelerationLaw):
 
 @kernel
 def control_law(
-    dt: float, motion: Array, M0: Array, h0: Array, effort_limit: Array, gains: Array,
-    kind: int, z: Array, work: Array, tau: Array,
+    dt: float, joints: Array, M0: Array, h0: Array, gains: Array, kind: int, z: Array, work: Array
 ) -> None:  # fmt: skip
     """One tick; the arguments are those that `AccelerationLaw` describes."""
-    e, ed, a_d = motion[E], motion[ED], motion[A_D]
+    e, ed, a_d = joints[E], joints[ED], joints[A_D]
     Lambda, k_1, k_2, p_1, p_2 = gains[0], gains[1], gains[2], gains[3], gains[4]
     s, a, excess = work[0], work[1], work[2]
     for i in range(e.size):
         s[i] = ed[i] + Lambda[i] * e[i]
         a[i] = a_d[i] - Lambda[i] * ed[i] - k_1[i] * sig(s[i], p_1[i]) - k_2[i] * sig(s[i], p_2[i])
-    inverse_dynamics(M0, h0, a, effort_limit, tau, excess)
+    inverse_dynamics(M0, h0, a, joints[LIMIT], joints[TAU], excess)
 
 
 def main(out: Path = Path("out/own_controller"), duration: float = 6.0) -> fp.Recording:

@@ -24,13 +24,12 @@ class AccelerationLaw(Controller):
 
     The kernel's arguments after `dt` are, in this order,
 
-    - `motion` (5, nv): rows `E`, `ED`, `V`, `V_D`, `A_D`;
-    - `M0` (nv, nv), `h0` (nv,), `effort_limit` (nv,): for `saturation.inverse_dynamics`;
+    - `joints` (7, nv): rows `E`, `ED`, `V`, `V_D`, `A_D`, `TAU`, `LIMIT`; the torque is written;
+    - `M0` (nv, nv), `h0` (nv,): for `saturation.inverse_dynamics`;
     - `gains`: the numbers of `Gains` in the order of its fields, a row each and a column per joint;
     - `kind`: code of the switching function that the gains name, for `switching.switch`;
     - `z` (nv,): an integral, zero at the start; it is the law's only memory;
-    - `work` (3, nv): `s`, which is shown as the signal "s", `a` and `excess`;
-    - `tau` (nv,): where the torque goes.
+    - `work` (3, nv): `s`, which is shown as the signal "s", `a` and `excess`.
     """
 
     def _prepare(self) -> None:
@@ -39,13 +38,11 @@ class AccelerationLaw(Controller):
         work = np.zeros((3, n))
         self._signals: dict[str, Array] = {"s": work[0]}
         self._arguments: tuple[Any, ...] = (
-            self._motion,
+            self._joints,
             self._M0,
             self._h0,
-            self._effort_limit,
             self._pack(*self.gains.numbers()),
             SWITCHING.index(getattr(self.gains, "switching", "sign")),
             self._state,
             work,
-            self._tau,
         )

@@ -105,10 +105,9 @@ class AdaptiveFONFTSM(FONFTSM):
 @kernel
 def adaptive_control_law(
     dt: float,
-    motion: Array,
+    joints: Array,
     M0: Array,
     h0: Array,
-    effort_limit: Array,
     gains: Array,
     bounds: Array,
     kind: int,
@@ -118,17 +117,15 @@ def adaptive_control_law(
     integral: Array,
     integral_memory: Array,
     work: Array,
-    tau: Array,
     adaptation_kind: int,
     adaptation: Array,
 ) -> None:
     """One tick of [22]-[24]; `bounds` holds the estimates `B̂0, B̂1`."""
     clipped = control_law(
         dt,
-        motion,
+        joints,
         M0,
         h0,
-        effort_limit,
         gains,
         bounds,
         kind,
@@ -138,8 +135,7 @@ def adaptive_control_law(
         integral,
         integral_memory,
         work,
-        tau,
     )
     if not clipped:
         start = adaptation[-2:]
-        adapt(dt, bounds, start, work[0], motion[V], adaptation_kind, adaptation)
+        adapt(dt, bounds, start, work[0], joints[V], adaptation_kind, adaptation)

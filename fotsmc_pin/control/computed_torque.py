@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from fotsmc_pin.compiled import kernel
 from fotsmc_pin.control.acceleration_law import AccelerationLaw
-from fotsmc_pin.control.controller import A_D, ED, E
+from fotsmc_pin.control.controller import A_D, ED, LIMIT, TAU, E
 from fotsmc_pin.control.gains import Gains, per_joint
 from fotsmc_pin.control.saturation import integrated, inverse_dynamics
 
@@ -61,23 +61,21 @@ class ComputedTorque(AccelerationLaw):
 @kernel
 def control_law(
     dt: float,
-    motion: Array,
+    joints: Array,
     M0: Array,
     h0: Array,
-    effort_limit: Array,
     gains: Array,
     kind: int,
     z: Array,
     work: Array,
-    tau: Array,
 ) -> None:
     """One tick of computed torque; `z` is the integral."""
-    e, ed, a_d = motion[E], motion[ED], motion[A_D]
+    e, ed, a_d = joints[E], joints[ED], joints[A_D]
     kp, kd, ki = gains[0], gains[1], gains[2]
     a, excess = work[1], work[2]
 
     for i in range(e.size):
         a[i] = a_d[i] - kd[i] * ed[i] - kp[i] * e[i] - z[i]
-    inverse_dynamics(M0, h0, a, effort_limit, tau, excess)
+    inverse_dynamics(M0, h0, a, joints[LIMIT], joints[TAU], excess)
     for i in range(e.size):
         z[i] = integrated(z[i], ki[i] * e[i], dt, excess[i])

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from fotsmc_pin.compiled import kernel
 from fotsmc_pin.control.acceleration_law import AccelerationLaw
-from fotsmc_pin.control.controller import A_D, ED, E
+from fotsmc_pin.control.controller import A_D, ED, LIMIT, TAU, E
 from fotsmc_pin.control.gains import Gains, per_joint, scalar
 from fotsmc_pin.control.saturation import inverse_dynamics
 from fotsmc_pin.control.switching import sig
@@ -56,18 +56,16 @@ class ContinuousTSM(AccelerationLaw):
 @kernel
 def control_law(
     dt: float,
-    motion: Array,
+    joints: Array,
     M0: Array,
     h0: Array,
-    effort_limit: Array,
     gains: Array,
     kind: int,
     z: Array,
     work: Array,
-    tau: Array,
 ) -> None:
     """One tick of [45]."""
-    e, ed, a_d = motion[E], motion[ED], motion[A_D]
+    e, ed, a_d = joints[E], joints[ED], joints[A_D]
     beta, gamma, K1, K2, rho = gains[0], gains[1], gains[2], gains[3], gains[4]
     s, a, excess = work[0], work[1], work[2]
 
@@ -79,4 +77,4 @@ def control_law(
             - K1[i] * s[i]
             - K2[i] * sig(s[i], rho[i])
         )
-    inverse_dynamics(M0, h0, a, effort_limit, tau, excess)
+    inverse_dynamics(M0, h0, a, joints[LIMIT], joints[TAU], excess)

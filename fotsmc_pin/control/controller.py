@@ -33,16 +33,17 @@ SHORTEST_TICK, LONGEST_TICK = 1e-3, 1e6
 ROUNDNESS = 1e-3
 """How far the cosine and sine of a continuous joint may lie from the unit circle."""
 
-E, ED, V, V_D, A_D = range(5)
-"""Rows of a controller's `motion`: `e`, `ė`, `v`, `v_d`, `a_d`."""
+E, ED, V, V_D, A_D, TAU, LIMIT = range(7)
+"""Rows of a controller's `joints`: `e`, `ė`, `v`, `v_d`, `a_d`, the torque and its limit."""
 
 
 class Controller(ABC):
     """A control law bound to a nominal arm and a tick of `dt` seconds.
 
     A law declares its `Gains` and `presets`, allocates its memory in `_prepare`, and names the
-    `_kernel` of one tick, which reads `_motion`, `_M0` and `_h0` and writes `_tau`. The kernel is
-    compiled when the controller is made, so that the first tick takes no longer than the others.
+    `_kernel` of one tick, which reads `_joints`, `_M0` and `_h0` and writes the torque into
+    `_joints[TAU]`. It is compiled when the controller is made, so that the first tick takes no
+    longer than the others.
 
     Attributes:
         arm: the nominal arm; the plant is never seen.
@@ -76,10 +77,10 @@ class Controller(ABC):
         self._euclidean = arm.is_euclidean
         self._configurations = np.zeros((2, arm.nq))
         self._q, self._q_d = self._configurations
-        self._motion = np.zeros((5, arm.nv))
-        self._v = self._motion[V]
-        self._tau = np.zeros(arm.nv)
-        self._effort_limit = np.array(arm.effort_limit)
+        self._joints = np.zeros((7, arm.nv))
+        self._joints[LIMIT] = arm.effort_limit
+        self._v: Array = self._joints[V]
+        self._tau: Array = self._joints[TAU]
         # Live views on Pinocchio's results. M0 is symmetric: its transpose is itself, in C order.
         self._M0: Array = self._data.M.T
         self._h0: Array = self._data.nle
@@ -91,7 +92,7 @@ class Controller(ABC):
         self._initial_state = self._state.copy()
         self._code = settled(self._kernel, self.dt, *self._arguments)
         q, v = self._q, self._v
-        strict(take, q, v, q, v, v, self._configurations, self._motion)
+        strict(take, q, v, q, v, v, self._configurations, self._joints)
 
     @abstractmethod
     def _prepare(self) -> None:
@@ -102,7 +103,7 @@ class Controller(ABC):
     def _kernel(self) -> Kernel:
         """The law: a kernel of `dt` and the `_arguments`.
 
-        It writes `_tau`, within the effort limits, and advances the memory by one tick.
+        It writes the torque, within the effort limits, and advances the memory by one tick.
         """
 
     def update(
@@ -132,7 +133,7 @@ class Controller(ABC):
                 controller is as it was, and the next good tick goes on from there.
         """
         try:
-            taken = take(q, v, q_d, v_d, a_d, self._configurations, self._motion)  # type: ignore[arg-type]
+            taken = take(q, v, q_d, v_d, a_d, self._configurations, self._joints)  # type: ignore[arg-type]
         except (AttributeError, TypeError):  # not plain arrays of floats
             taken = False
         if not taken:
@@ -193,7 +194,7 @@ class Controller(ABC):
             except ArgumentError as error:
                 raise MeasurementError(name, value, error.remedy) from None
         q, v, q_d, v_d, a_d = clean
-        take(q, v, q_d, v_d, a_d, self._configurations, self._motion)
+        take(q, v, q_d, v_d, a_d, self._configurations, self._joints)
 
     def _take_difference(self, q: ArrayLike, q_d: ArrayLike) -> None:
         """Take `e = q ⊖ q_d` of an arm with continuous joints, whose `q` are no plain vector."""
@@ -201,7 +202,7 @@ class Controller(ABC):
             if not pin.isNormalized(self._model, taken, ROUNDNESS):
                 remedy = "give the cosine and sine of each continuous joint"
                 raise MeasurementError(name, value, remedy)
-        self._motion[E] = pin.difference(self._model, self._q_d, self._q)
+        self._joints[E] = pin.difference(self._model, self._q_d, self._q)
 
 
 @kernel
@@ -212,14 +213,14 @@ def take(
     v_d: Array,
     a_d: Array,
     configurations: Array,
-    motion: Array,
+    joints: Array,
 ) -> bool:
     """Copy the arguments of a tick, each number kept below `LARGEST`; fill in `e` and `ė`.
 
     `e` is that of plain joints, whose difference is that of their numbers. Returns whether every
     array has its shape and every number is finite.
     """
-    nq, nv = configurations.shape[1], motion.shape[1]
+    nq, nv = configurations.shape[1], joints.shape[1]
     if not (q.shape == q_d.shape == (nq,) and v.shape == v_d.shape == a_d.shape == (nv,)):
         return False
     for k in range(nq):
@@ -229,9 +230,9 @@ def take(
     for j in range(nv):
         if not (math.isfinite(v[j]) and math.isfinite(v_d[j]) and math.isfinite(a_d[j])):
             return False
-        motion[E, j] = configurations[0, j] - configurations[1, j]
-        motion[V, j] = clip(v[j], LARGEST)
-        motion[V_D, j] = clip(v_d[j], LARGEST)
-        motion[A_D, j] = clip(a_d[j], LARGEST)
-        motion[ED, j] = motion[V, j] - motion[V_D, j]
+        joints[E, j] = configurations[0, j] - configurations[1, j]
+        joints[V, j] = clip(v[j], LARGEST)
+        joints[V_D, j] = clip(v_d[j], LARGEST)
+        joints[A_D, j] = clip(a_d[j], LARGEST)
+        joints[ED, j] = joints[V, j] - joints[V_D, j]
     return True

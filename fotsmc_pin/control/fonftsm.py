@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from fotsmc_pin.compiled import kernel
-from fotsmc_pin.control.controller import A_D, ED, Controller, E, V
+from fotsmc_pin.control.controller import A_D, ED, LIMIT, TAU, Controller, E, V
 from fotsmc_pin.control.gains import Gains, option, per_joint, scalar
 from fotsmc_pin.control.norm import norm
 from fotsmc_pin.control.paper_condition import warn_of_power
@@ -128,10 +128,9 @@ class FONFTSM(Controller):
         self._signals = {"s": self._work[0], "w": self._work[1]}
         self._bounds = self._first_bounds()
         self._arguments = (
-            self._motion,
+            self._joints,
             self._M0,
             self._h0,
-            self._effort_limit,
             self._pack(g.A, g.lam, g.power, g.error_floor, g.theta, g.mu, g.boundary_layer),
             self._bounds,
             SWITCHING.index(g.switching),
@@ -141,7 +140,6 @@ class FONFTSM(Controller):
             self._integral.coefficients,
             self._integral.memory,
             self._work,
-            self._tau,
         )
 
         self._take_start()
@@ -166,10 +164,9 @@ class FONFTSM(Controller):
 @kernel
 def control_law(
     dt: float,
-    motion: Array,
+    joints: Array,
     M0: Array,
     h0: Array,
-    effort_limit: Array,
     gains: Array,
     bounds: Array,
     kind: int,
@@ -179,10 +176,9 @@ def control_law(
     integral: Array,
     integral_memory: Array,
     work: Array,
-    tau: Array,
 ) -> bool:
     """One tick of [19]-[21]; `bounds` holds `B0, B1`. Return whether a torque was clipped."""
-    e, ed, v, a_d = motion[E], motion[ED], motion[V], motion[A_D]
+    e, ed, v, a_d = joints[E], joints[ED], joints[V], joints[A_D]
     A, lam, r, floor, theta, mu, phi = (
         gains[0], gains[1], gains[2], gains[3], gains[4], gains[5], gains[6],
     )  # fmt: skip
@@ -217,7 +213,7 @@ def control_law(
         y[i] += gain * w[i]
         a[i] = a_d[i] if inside else a_d[i] - y[i]
         y[i] = h0[i] - y[i] if inside else h0[i]
-    inverse_dynamics(M0, y, a, effort_limit, tau, excess)
+    inverse_dynamics(M0, y, a, joints[LIMIT], joints[TAU], excess)
 
     # What the actuator cannot follow does not enter the memory.
     clipped = False

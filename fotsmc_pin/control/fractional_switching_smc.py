@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fotsmc_pin.compiled import kernel
-from fotsmc_pin.control.controller import A_D, ED, Controller, E
+from fotsmc_pin.control.controller import A_D, ED, LIMIT, TAU, Controller, E
 from fotsmc_pin.control.gains import Gains, option, per_joint, scalar
 from fotsmc_pin.control.saturation import inverse_dynamics, unwound
 from fotsmc_pin.control.switching import SIGN_OR_LAYER, SWITCHING, switch
@@ -64,16 +64,14 @@ class FractionalSwitchingSMC(Controller):
         work = np.zeros((5, self.arm.nv))
         self._signals = {"s": work[0], "switched": work[1]}
         self._arguments = (
-            self._motion,
+            self._joints,
             self._M0,
             self._h0,
-            self._effort_limit,
             self._pack(g.Lambda, g.K, g.eta, g.boundary_layer),
             SWITCHING.index(g.switching),
             stream.coefficients,
             stream.memory,
             work,
-            self._tau,
         )
 
     @property
@@ -84,19 +82,17 @@ class FractionalSwitchingSMC(Controller):
 @kernel
 def control_law(
     dt: float,
-    motion: Array,
+    joints: Array,
     M0: Array,
     h0: Array,
-    effort_limit: Array,
     gains: Array,
     kind: int,
     integral: Array,
     integral_memory: Array,
     work: Array,
-    tau: Array,
 ) -> None:
     """One tick of sliding mode with a fractional switching term."""
-    e, ed, a_d = motion[E], motion[ED], motion[A_D]
+    e, ed, a_d = joints[E], joints[ED], joints[A_D]
     Lambda, K, eta, phi = gains[0], gains[1], gains[2], gains[3]
     s, switched, sign, a, excess = work[0], work[1], work[2], work[3], work[4]
 
@@ -106,7 +102,7 @@ def control_law(
         sign[i] = switch(s[i], kind, phi[i])
         switched[i] += gain * sign[i]
         a[i] = a_d[i] - Lambda[i] * ed[i] - K[i] * s[i] - eta[i] * switched[i]
-    inverse_dynamics(M0, h0, a, effort_limit, tau, excess)
+    inverse_dynamics(M0, h0, a, joints[LIMIT], joints[TAU], excess)
     for i in range(e.size):
         if excess[i] != 0.0 and eta[i] > 0.0:
             sign[i] = unwound(sign[i], excess[i], gain * eta[i] * M0[i, i])

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from fotsmc_pin.compiled import kernel
 from fotsmc_pin.control.acceleration_law import AccelerationLaw
-from fotsmc_pin.control.controller import A_D, ED, E
+from fotsmc_pin.control.controller import A_D, ED, LIMIT, TAU, E
 from fotsmc_pin.control.gains import Gains, option, per_joint, scalar
 from fotsmc_pin.control.saturation import inverse_dynamics
 from fotsmc_pin.control.switching import SIGN_OR_LAYER, SWITCHING, sig, switch
@@ -59,18 +59,16 @@ class NonsingularTSM(AccelerationLaw):
 @kernel
 def control_law(
     dt: float,
-    motion: Array,
+    joints: Array,
     M0: Array,
     h0: Array,
-    effort_limit: Array,
     gains: Array,
     kind: int,
     z: Array,
     work: Array,
-    tau: Array,
 ) -> None:
     """One tick of sliding mode on the non-singular terminal surface."""
-    e, ed, a_d = motion[E], motion[ED], motion[A_D]
+    e, ed, a_d = joints[E], joints[ED], joints[A_D]
     beta, gamma, K, eta, phi = gains[0], gains[1], gains[2], gains[3], gains[4]
     s, a, excess = work[0], work[1], work[2]
 
@@ -82,4 +80,4 @@ def control_law(
             - K[i] * s[i]
             - eta[i] * switch(s[i], kind, phi[i])
         )
-    inverse_dynamics(M0, h0, a, effort_limit, tau, excess)
+    inverse_dynamics(M0, h0, a, joints[LIMIT], joints[TAU], excess)

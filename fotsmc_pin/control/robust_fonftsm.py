@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fotsmc_pin.compiled import kernel
-from fotsmc_pin.control.controller import A_D, ED, Controller, E, V
+from fotsmc_pin.control.controller import A_D, ED, LIMIT, TAU, Controller, E, V
 from fotsmc_pin.control.gains import Gains, flag, per_joint, scalar
 from fotsmc_pin.control.gravity_check import warn_of_gravity
 from fotsmc_pin.control.inertia_floor import OBSERVER_RATE, largest_floor, raise_floor
@@ -131,10 +131,9 @@ class RobustFONFTSM(Controller):
             "inertia_floor": self._state[6],
         }
         self._arguments = (
-            self._motion,
+            self._joints,
             self._M0,
             self._h0,
-            self._effort_limit,
             self._pack(
                 g.A, g.lam, g.power, g.reach, g.theta, g.mu, g.integral, g.boundary_layer,
                 g.observer, g.floor_share, g.floor_rate, g.floor_limit,
@@ -146,7 +145,6 @@ class RobustFONFTSM(Controller):
             integral.memory,
             self._state,
             work,
-            self._tau,
         )  # fmt: skip
 
     @property
@@ -174,10 +172,9 @@ def complete_gains(gains: RobustFONFTSMGains, arm: Arm, dt: float) -> RobustFONF
 @kernel
 def control_law(
     dt: float,
-    motion: Array,
+    joints: Array,
     M0: Array,
     h0: Array,
-    effort_limit: Array,
     gains: Array,
     anti_windup: bool,
     derivative: Array,
@@ -186,10 +183,9 @@ def control_law(
     integral_memory: Array,
     state: Array,
     work: Array,
-    tau: Array,
 ) -> None:
     """One tick; `tau` still holds the torque of the last one."""
-    e, ed, v, a_d = motion[E], motion[ED], motion[V], motion[A_D]
+    e, ed, v, a_d, tau = joints[E], joints[ED], joints[V], joints[A_D], joints[TAU]
     A, lam, r, reach, theta, mu, b, phi, K, share, floor_rate, largest = (
         gains[0], gains[1], gains[2], gains[3], gains[4], gains[5], gains[6], gains[7], gains[8],
         gains[9], gains[10], gains[11],
@@ -228,7 +224,7 @@ def control_law(
         u[i] = a[i] + K[i] * (ed_a[i] - ed[i])
         y[i] += floor_rate[i] * dt / (1.0 + floor_rate[i] * dt) * (u[i] - y[i])
         excess[i] = h0[i] + delta[i] * y[i]
-    inverse_dynamics(M0, excess, u, effort_limit, tau, excess)
+    inverse_dynamics(M0, excess, u, joints[LIMIT], tau, excess)
 
     # What the actuator cannot follow does not enter the memories.
     for i in range(n):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from fotsmc_pin.compiled import kernel
-from fotsmc_pin.control.controller import A_D, ED, Controller, E, V
+from fotsmc_pin.control.controller import A_D, ED, LIMIT, TAU, Controller, E, V
 from fotsmc_pin.control.gains import Gains, per_joint, scalar
 from fotsmc_pin.control.saturation import clip
 from fotsmc_pin.control.switching import sig
@@ -94,8 +94,7 @@ class TDEFONTSM(Controller):
         work = np.zeros((5, n))
         self._signals = {"s": work[0], "delay_estimate": work[1]}
         self._arguments = (
-            self._motion,
-            self._effort_limit,
+            self._joints,
             self._pack(g.inertia, g.Lambda, g.k, g.power, g.K1, g.K2, g.rho, g.filter_rate),
             integral.coefficients,
             integral.memory,
@@ -103,7 +102,6 @@ class TDEFONTSM(Controller):
             derivative.memory,
             self._state,
             work,
-            self._tau,
         )
 
     def _model_terms(self) -> None:
@@ -136,8 +134,7 @@ def settling_inertia(arm: Arm, share: float) -> Array:
 @kernel
 def control_law(
     dt: float,
-    motion: Array,
-    effort_limit: Array,
+    joints: Array,
     gains: Array,
     integral: Array,
     integral_memory: Array,
@@ -145,10 +142,9 @@ def control_law(
     derivative_memory: Array,
     state: Array,
     work: Array,
-    tau: Array,
 ) -> None:
     """One tick of time-delay estimation; `tau` still holds the torque of the last tick."""
-    e, ed, v, a_d = motion[E], motion[ED], motion[V], motion[A_D]
+    e, ed, v, a_d, tau = joints[E], joints[ED], joints[V], joints[A_D], joints[TAU]
     inertia, Lambda, k, r, K1, K2, rho, rate = (
         gains[0], gains[1], gains[2], gains[3], gains[4], gains[5], gains[6], gains[7],
     )  # fmt: skip
@@ -176,5 +172,5 @@ def control_law(
             - K1[i] * s[i]
             - K2[i] * sig(s[i], rho[i])
         )
-        tau[i] = clip(estimate[i] + inertia[i] * u, effort_limit[i])
+        tau[i] = clip(estimate[i] + inertia[i] * u, joints[LIMIT, i])
     started[0] = 1.0

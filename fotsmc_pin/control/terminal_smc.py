@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from fotsmc_pin.compiled import kernel
 from fotsmc_pin.control.acceleration_law import AccelerationLaw
-from fotsmc_pin.control.controller import A_D, ED, E
+from fotsmc_pin.control.controller import A_D, ED, LIMIT, TAU, E
 from fotsmc_pin.control.gains import Gains, option, per_joint, scalar
 from fotsmc_pin.control.saturation import inverse_dynamics
 from fotsmc_pin.control.switching import SIGN_OR_LAYER, SWITCHING, sig, switch
@@ -64,18 +64,16 @@ class TerminalSMC(AccelerationLaw):
 @kernel
 def control_law(
     dt: float,
-    motion: Array,
+    joints: Array,
     M0: Array,
     h0: Array,
-    effort_limit: Array,
     gains: Array,
     kind: int,
     z: Array,
     work: Array,
-    tau: Array,
 ) -> None:
     """One tick of sliding mode on the terminal surface."""
-    e, ed, a_d = motion[E], motion[ED], motion[A_D]
+    e, ed, a_d = joints[E], joints[ED], joints[A_D]
     beta, r, floor, K, eta, phi = gains[0], gains[1], gains[2], gains[3], gains[4], gains[5]
     s, a, excess = work[0], work[1], work[2]
 
@@ -83,4 +81,4 @@ def control_law(
         s[i] = ed[i] + beta[i] * sig(e[i], r[i])
         slope = beta[i] * r[i] * max(abs(e[i]), floor[i]) ** (r[i] - 1.0)
         a[i] = a_d[i] - slope * ed[i] - K[i] * s[i] - eta[i] * switch(s[i], kind, phi[i])
-    inverse_dynamics(M0, h0, a, effort_limit, tau, excess)
+    inverse_dynamics(M0, h0, a, joints[LIMIT], joints[TAU], excess)

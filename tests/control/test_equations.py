@@ -15,6 +15,7 @@ from fotsmc_pin.control import (
     SuperTwistingSMC,
     TerminalSMC,
 )
+from fotsmc_pin.control.controller import LIMIT
 from fotsmc_pin.fractional import FractionalDerivative, FractionalIntegral
 
 DT = 1e-3
@@ -184,7 +185,7 @@ LAWS = [
 )
 def test_a_run_of_ticks_follows_the_equations(law, preset, written, arm, make, wander):
     controller = make(law, arm, preset)
-    controller._effort_limit[:] = np.inf
+    controller._joints[LIMIT] = np.inf
     expected = written(controller.gains, arm.nv)
     scale = 1.0
     for row in wander(arm, TICKS):

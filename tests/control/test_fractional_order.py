@@ -13,6 +13,7 @@ from fotsmc_pin.control import (
     FractionalSwitchingSMC,
     LinearSMC,
 )
+from fotsmc_pin.control.controller import LIMIT
 from fotsmc_pin.references import Hold
 from fotsmc_pin.simulation import simulate
 
@@ -56,7 +57,7 @@ def test_fractional_switching_of_order_zero_is_linear_sliding_mode(arm, make, wa
 def test_fonftsm_of_order_zero_is_a_terminal_law_around_inverse_dynamics(arm, make, wander):
     g = {"A": 7.0, "lam": 1.5, "power": 1.2, "theta": 4.0, "mu": 0.8, "B0": 2.0, "B1": 0.5}
     controller = make(FONFTSM, arm, alpha=0.0, inertia="outside", **g)
-    controller._effort_limit[:] = np.inf
+    controller._joints[LIMIT] = np.inf
     for q, v, q_d, v_d, a_d in wander(arm, 50):
         e, ed = arm.difference(q_d, q), v - v_d
         S = ed + 7.0 * e + 1.5 * np.abs(e) ** 1.2 * np.sign(e)
