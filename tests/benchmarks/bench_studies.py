@@ -9,7 +9,7 @@ import fotsmc_pin as fp
 
 HEAD = ["workers", "runs per second", "× one process"]
 RUNS = 16
-ROUNDS = 3
+ROUNDS = 7
 
 
 def test_studies(table, benchmark):
