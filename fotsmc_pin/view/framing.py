@@ -32,7 +32,8 @@ class Framing:
         high: its highest corner (3,) [m].
         outline: points on the hull of what the run sweeps (n, 3) [m].
         direction: unit vector from the arm to the camera (3,).
-        reach: distance from the base to the tool with the arm stretched out [m].
+        reach: distance from the base to the tool with the arm stretched out, and at least a quarter
+            of the box's diagonal, as a tool may lie on the axis of its only joint [m].
         floor: height of the floor [m].
     """
 
@@ -48,7 +49,7 @@ def framing(arm: Arm, visuals: Sequence[Visual], motions: Sequence[Motion]) -> F
     """Choose the view for an arm with these visuals, moving like this."""
     corners = swept_points(visuals, motions)
     low, high = corners.min(axis=0), corners.max(axis=0)
-    reach = reach_of(arm)
+    reach = max(reach_of(arm), 0.25 * float(np.linalg.norm(high - low)))
     base_height = float(motions[0].position[0, min(1, arm.nv), 2])
     floor = 0.0 if low[2] > -0.05 * reach else float(low[2]) - 0.05 * reach
     floor = min(floor, base_height)

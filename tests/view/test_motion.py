@@ -74,3 +74,19 @@ def test_reach_is_the_length_of_the_stretched_chain():
     )
     assert reach_of(arm) >= stretched - 1e-9
     assert reach_of(arm) == pytest.approx(stretched, rel=0.1)
+
+
+TURNTABLE = """<robot name="turntable"><link name="base"/><link name="table">
+<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+<visual><geometry><cylinder radius="0.6" length="0.05"/></geometry></visual></link>
+<joint name="turn" type="continuous"><parent link="base"/><child link="table"/><axis xyz="0 0 1"/>
+<limit effort="10" velocity="1"/></joint></robot>"""
+
+
+def test_a_tool_on_the_only_axis_does_not_shrink_the_scale_of_the_view(make_recording, tmp_path):
+    """The floor's grid is drawn to the reach: with none its lines would be millions."""
+    (tmp_path / "turntable.urdf").write_text(TURNTABLE)
+    arm = fp.load_arm(tmp_path / "turntable.urdf")
+    assert reach_of(arm) < 0.02
+    view, _ = view_of(make_recording(arm))
+    assert view.reach >= 0.25 * np.linalg.norm(view.high - view.low) > 0.2
