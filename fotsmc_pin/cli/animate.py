@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from fotsmc_pin.cli.output import Force, result_file
+from fotsmc_pin.cli.output import Force, plain_console, result_file
 
 
 def animate(
@@ -18,13 +18,11 @@ def animate(
     force: Force = False,
 ) -> None:
     """Write a saved run as one HTML file that opens offline."""
-    from rich.console import Console
-
     from fotsmc_pin.simulation import Recording
     from fotsmc_pin.view import export_html
 
     page = result_file(out or run.with_suffix(".html"), force=force)
     export_html(Recording.load(run), page)
-    Console().print(f"Open {page} in a browser.")
+    plain_console().print(f"Open {page} in a browser.")
     if open_page:
         webbrowser.open(page.resolve().as_uri())

@@ -6,13 +6,14 @@ import importlib.util
 import math
 from typing import TYPE_CHECKING
 
+from fotsmc_pin.cli.output import plain_console
+
 if TYPE_CHECKING:
     from fotsmc_pin.arms import Inspection
 
 
 def arms_command() -> None:
     """List the arms that go by a name here: joints, mass, limits known, and what they can lift."""
-    from rich.console import Console
     from rich.table import Table
 
     from fotsmc_pin.arms import inspect_arm, load_arm
@@ -36,14 +37,14 @@ def arms_command() -> None:
             _payload(found),
             ", ".join(locked),
         )
-    console = Console()
+    console = plain_console()
     console.print(table)
     console.print(
         "Payload guess: the mass at the tool frame that the effort limits hold still in each of "
         "100 random configurations."
     )
     if example_robots_folder() is None:
-        console.print('More arms come with: pip install "fotsmc_pin[robots]"', markup=False)
+        console.print('More arms come with: pip install "fotsmc_pin[robots]"')
     if importlib.util.find_spec("robot_descriptions") is not None:
         console.print("Names of robot_descriptions do as well; it fetches a robot when first used.")
     console.print("Any URDF file does as well: fotsmc inspect my.urdf")

@@ -8,7 +8,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from fotsmc_pin.cli.output import plain_console
+
 if TYPE_CHECKING:
+    from rich.console import Console
     from rich.table import Table
 
     from fotsmc_pin.arms import Inspection
@@ -29,13 +32,11 @@ def inspect_command(
     seed: Annotated[int, typer.Option(help="Where they are drawn from.")] = 0,
 ) -> None:
     """Say what was understood of a URDF: joints, limits, loads, and what looks wrong."""
-    from rich.console import Console
-
     from fotsmc_pin.arms import inspect_arm, load_arm
 
     arm = load_arm(file, lock=lock or None, keep=keep or None, package_dirs=package_dir or ())
     found = inspect_arm(arm, samples=samples, seed=seed)
-    console = Console()
+    console = plain_console()
     console.print(_joints(found))
     console.print(_loads(found))
     _say(console, _facts(found))
@@ -47,9 +48,9 @@ def inspect_command(
         _say(console, ["", "Nothing looks wrong."])
 
 
-def _say(console: object, lines: list[str]) -> None:
+def _say(console: Console, lines: list[str]) -> None:
     for line in lines:
-        console.print(line, markup=False, highlight=False)  # type: ignore[attr-defined]
+        console.print(line, highlight=False)
 
 
 def _facts(found: Inspection) -> list[str]:

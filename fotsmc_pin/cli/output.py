@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from pathlib import Path
 
+    from rich.console import Console
+
 Force = Annotated[bool, typer.Option("--force", help="Overwrite an earlier result.")]
 
 
@@ -43,13 +45,20 @@ def result_file(path: Path, *, force: bool) -> Path:
     return path
 
 
+def plain_console() -> Console:
+    """Return a terminal that prints text as it is: brackets hold units and names, no markup."""
+    from rich.console import Console
+
+    return Console(markup=False)
+
+
 @contextmanager
 def progress_bar(title: str) -> Iterator[Callable[[float], None]]:
     """Show a bar on the terminal's error stream while the block runs; call it with the fraction."""
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-    columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
+    columns = (TextColumn("{task.description}", markup=False), BarColumn(), TimeRemainingColumn())
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(title, total=1.0)
         yield lambda fraction: bar.update(task, completed=fraction)

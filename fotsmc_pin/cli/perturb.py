@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, TypeVar
 
 import typer
 
-from fotsmc_pin.cli.output import Force, result_file
+from fotsmc_pin.cli.output import Force, plain_console, result_file
 from fotsmc_pin.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -45,8 +45,6 @@ def perturb_command(
     force: Force = False,
 ) -> None:
     """Write a URDF whose masses, friction or payload differ: the plant that a model misses."""
-    from rich.console import Console
-
     from fotsmc_pin.arms import Payload, load_arm, perturb
 
     target = result_file(out, force=force)
@@ -63,10 +61,10 @@ def perturb_command(
         seed=seed,
     )
     true.write_urdf(target)
-    console = Console()
+    console = plain_console()
     for line in (*arm.notes, *(true.changes or ("nothing changed",))):
-        console.print(f"  {line}", markup=False, highlight=False)
-    console.print(f"Written to {target}.", markup=False, highlight=False)
+        console.print(f"  {line}", highlight=False)
+    console.print(f"Written to {target}.", highlight=False)
 
 
 def _values(

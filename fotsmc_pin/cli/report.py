@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from fotsmc_pin.cli.output import Force, result_file
+from fotsmc_pin.cli.output import Force, plain_console, result_file
 
 
 def report(
@@ -23,13 +23,11 @@ def report(
     force: Force = False,
 ) -> None:
     """Write what was run, its metrics, figures, claims and animation as one HTML file."""
-    from rich.console import Console
-
     from fotsmc_pin.view import write_report
 
     page = write_report(
         folder, result_file(out or folder / "report.html", force=force), title=title
     )
-    Console().print(f"Open {page} in a browser.")
+    plain_console().print(f"Open {page} in a browser.")
     if open_page:
         webbrowser.open(page.resolve().as_uri())

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from fotsmc_pin.cli.output import Force, progress_bar, result_folder
+from fotsmc_pin.cli.output import Force, plain_console, progress_bar, result_folder
 
 
 def reproduce(
@@ -15,8 +15,6 @@ def reproduce(
     force: Force = False,
 ) -> None:
     """Run the paper's two-link case and judge its claims."""
-    from rich.console import Console
-    from rich.markup import escape
     from rich.table import Table
 
     from fotsmc_pin.paper.reproduce import reproduce as run_the_paper
@@ -29,8 +27,8 @@ def reproduce(
     for column in ("where", "claim", "holds"):
         table.add_column(column)
     for verdict in verdicts:
-        table.add_row(*map(escape, (verdict.where, verdict.claim, verdict.word)))
-    console = Console()
+        table.add_row(verdict.where, verdict.claim, verdict.word)
+    console = plain_console()
     console.print(table)
     console.print(
         f"Read what was measured in {folder / 'claims.md'} and {folder / 'comparison.md'}."

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fotsmc_pin.cli.output import Force, progress_bar, result_folder
+from fotsmc_pin.cli.output import Force, plain_console, progress_bar, result_folder
 from fotsmc_pin.errors import ArgumentError, DivergenceError
 
 if TYPE_CHECKING:
@@ -36,8 +36,6 @@ def simulate(
     force: Force = False,
 ) -> None:
     """Simulate a controller on an arm that differs from what the controller believes."""
-    from rich.console import Console
-
     from fotsmc_pin import load_arm, perturb, plot
     from fotsmc_pin import simulate as run
     from fotsmc_pin.analysis import summarize
@@ -76,7 +74,7 @@ def simulate(
     plot(rec, folder / "run.png")
     page = folder / f"{nominal.name}.html"
     export_html(rec, page)
-    console = Console()
+    console = plain_console()
     console.print(_table(nominal.name, summary))
     console.print(f"Open {page} in a browser; the run is kept in {folder / 'run.npz'}.")
     if open_page:
@@ -97,7 +95,6 @@ def _gains(pairs: list[str]) -> dict[str, float | str | bool]:
 
 
 def _table(title: str, summary: Summary) -> object:
-    from rich.markup import escape
     from rich.table import Table
 
     table = Table(title=title, title_justify="left")
@@ -111,5 +108,5 @@ def _table(title: str, summary: Summary) -> object:
         ("torque variation, last half [N·m/s]", f"{summary.tail_torque_variation:.4g}"),
         ("ticks at a limit [%]", f"{100 * summary.saturation_fraction:.3g}"),
     ):
-        table.add_row(escape(name), value)
+        table.add_row(name, value)
     return table

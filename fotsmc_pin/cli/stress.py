@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from fotsmc_pin.cli.output import Force, progress_bar, result_folder
+from fotsmc_pin.cli.output import Force, plain_console, progress_bar, result_folder
 from fotsmc_pin.files import write_json, write_text
 
 if TYPE_CHECKING:
@@ -53,8 +53,6 @@ def stress(
     force: Force = False,
 ) -> None:
     """Put arms under stress: heavier than believed, with friction, noise, delay and start error."""
-    from rich.console import Console
-
     from fotsmc_pin.arms import load_arm
     from fotsmc_pin.stress_suite import run_draws
     from fotsmc_pin.stress_suite import stress as run_suite
@@ -78,7 +76,7 @@ def stress(
                 rows.append(_best_pid(arm, pid_trials, pid_variation, seed, duration, report))
         if folder is not None:
             _write(folder, rows, seeds)
-    console = Console()
+    console = plain_console()
     console.print(_table(rows, seeds))
     if folder is not None:
         console.print(f"The table is kept in {folder / 'stress.md'}.")
@@ -136,14 +134,19 @@ def _best_pid(
 
 def _table(rows: Sequence[StressRow], seeds: Sequence[int]) -> Table:
     """Return the rows for the terminal; of draws, the ten worst."""
+    from rich.box import SIMPLE_HEAD
     from rich.table import Table
 
     from fotsmc_pin.stress_suite.table import COLUMNS, cells
 
     title = f"The worst of {len(seeds)} draws" if seeds else "Stress suite"
-    table = Table(title=title, title_justify="left")
+    table = Table(
+        title=title, title_justify="left", box=SIMPLE_HEAD, collapse_padding=True, pad_edge=False
+    )
     for k, column in enumerate((*COLUMNS, "seed") if seeds else COLUMNS):
-        table.add_column(column, justify="left" if k < 2 else "right")
+        names = k < 2
+        justify: Literal["left", "right"] = "left" if names else "right"
+        table.add_column(column, justify=justify, no_wrap=names, overflow="fold")
     for k, row in enumerate(rows[:SHOWN_DRAWS] if seeds else rows):
         table.add_row(*cells(row), *([str(seeds[k])] if seeds else []))
     return table

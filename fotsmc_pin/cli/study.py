@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fotsmc_pin.cli.output import Force, progress_bar, result_folder
+from fotsmc_pin.cli.output import Force, plain_console, progress_bar, result_folder
 
 if TYPE_CHECKING:
+    from rich.console import Console
+
     from fotsmc_pin.studies import ClosedLoop, Study
     from fotsmc_pin.studies.result import Row
 
@@ -34,13 +36,11 @@ def study_command(
     The folder gets the store of all runs, the distribution of one figure, and the worst run with
     its page.
     """
-    from rich.console import Console
-
     from fotsmc_pin import checks
     from fotsmc_pin.analysis.metrics import UNITS
     from fotsmc_pin.studies import read_study, study
 
-    checks.choice("figure", figure, [*UNITS])
+    checks.choice("--figure", figure, [*UNITS])
     run, arguments = read_study(file)
     folder = out or Path("out") / file.stem
     if force or not (folder / STORE).is_file():
@@ -57,9 +57,9 @@ def study_command(
             retry_failed=retry_failed,
             progress=report,
         )
-    console = Console()
+    console = plain_console()
     for row in found.failed[:5]:
-        console.print(f"failed: {dict(row.parameters)}: {row.error}", markup=False)
+        console.print(f"failed: {dict(row.parameters)}: {row.error}")
     if found.succeeded:
         _show(console, found, list(arguments["grid"]), figure, folder)
         _keep_worst(run, found.worst(figure), folder)
@@ -70,29 +70,27 @@ def study_command(
         raise typer.Exit(1)
 
 
-def _show(console: object, found: Study, names: list[str], figure: str, folder: Path) -> None:
-    from rich.console import Console
-    from rich.markup import escape
+def _show(console: Console, found: Study, names: list[str], figure: str, folder: Path) -> None:
     from rich.table import Table
 
     from fotsmc_pin.analysis.metrics import UNITS
     from fotsmc_pin.studies import Study
     from fotsmc_pin.view import distribution_figure, save_figure
 
-    groups: dict[str, Study] = {}
+    rows: dict[str, list[Row]] = {}
     for row in found.succeeded:
         name = ", ".join(str(row.parameters[name]) for name in names) or "all runs"
-        groups[name] = Study((*groups.get(name, Study(())).rows, row))
+        rows.setdefault(name, []).append(row)
+    groups = {name: Study(tuple(members)) for name, members in rows.items()}
     unit = UNITS[figure]
-    table = Table(title=escape(f"{figure} [{unit}]"), title_justify="left")
+    table = Table(title=f"{figure} [{unit}]", title_justify="left")
     table.add_column("group")
     for column in ("runs", "5 %", "median", "95 %", "worst"):
         table.add_column(column, justify="right")
     for name, group in groups.items():
         quantiles = (f"{value:.4g}" for value in group.quantiles(figure))
-        table.add_row(escape(name), str(len(group)), *quantiles)
-    if isinstance(console, Console):
-        console.print(table)
+        table.add_row(name, str(len(group)), *quantiles)
+    console.print(table)
     values = {name: group.figure(figure) for name, group in groups.items()}
     shown = distribution_figure(values, figure.replace("_", " "), unit)
     save_figure(shown, folder / "distribution")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fotsmc_pin.cli.output import progress_bar
+from fotsmc_pin.cli.output import plain_console, progress_bar
 from fotsmc_pin.files import write_text
 
 if TYPE_CHECKING:
@@ -38,8 +38,7 @@ def tune(
     ] = None,
 ) -> None:
     """Search gains in the stress scenario of an arm; stop it at any time and call it again."""
-    from rich.console import Console
-
+    from fotsmc_pin.analysis.metrics import UNITS
     from fotsmc_pin.arms import load_arm
     from fotsmc_pin.checks import choice
     from fotsmc_pin.control import CONTROLLERS
@@ -65,14 +64,16 @@ def tune(
             seed=seed,
             progress=report,
         )
-    console = Console()
+    console = plain_console()
     if not front:
         console.print("Every trial diverged or broke its torque limit.")
         return
     points = [(point.error, point.torque_variation) for point in front]
-    plot_front(points, folder / "front.png", objective.replace("_", " "))
-    write_text(folder / "front.md", _markdown(front, objective))
-    console.print(_table(front, objective))
+    unit = UNITS[objective]
+    plot_front(points, folder / "front.png", f"{objective.replace('_', ' ')} [{unit}]")
+    error = f"{objective} [{unit}]"
+    write_text(folder / "front.md", _markdown(front, error))
+    console.print(_table(front, error))
     console.print(f"The front is in {folder / 'front.md'} and {folder / 'front.png'}.")
 
 
@@ -101,18 +102,18 @@ def _cells(point: FrontPoint) -> tuple[str, str, str]:
     return f"{point.error:.3g}", f"{point.torque_variation:.4g}", gains
 
 
-def _table(front: Sequence[FrontPoint], objective: str) -> Table:
+def _table(front: Sequence[FrontPoint], error: str) -> Table:
     from rich.table import Table
 
     table = Table(title="Gains that none other beats in both figures", title_justify="left")
-    for column in (objective, "torque variation [N·m/s]", "gains"):
+    for column in (error, "torque variation [N·m/s]", "gains"):
         table.add_column(column)
     for point in front:
         table.add_row(*_cells(point))
     return table
 
 
-def _markdown(front: Sequence[FrontPoint], objective: str) -> str:
-    lines = [(objective, "torque variation [N·m/s]", "gains"), ("---", "---", "---")]
+def _markdown(front: Sequence[FrontPoint], error: str) -> str:
+    lines = [(error, "torque variation [N·m/s]", "gains"), ("---", "---", "---")]
     lines += [_cells(point) for point in front]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines) + "\n"

@@ -19,7 +19,10 @@ def called(*words):
 
 
 def test_stress_writes_its_table(tmp_path):
-    called(*STRESS, str(tmp_path / "out"), "--controller", "RobustFONFTSM")
+    shown = called(*STRESS, str(tmp_path / "out"), "--controller", "RobustFONFTSM")
+    for unit in ("[mrad]", "[s]", "[%]"):
+        assert unit in shown
+    assert "…" not in shown, "a narrow terminal cuts nothing"
     rows = json.loads((tmp_path / "out/stress.json").read_text())["rows"]
     assert [(row["arm"], row["controller"]) for row in rows] == [("asr_twodof", "RobustFONFTSM")]
     assert "| asr_twodof | RobustFONFTSM |" in (tmp_path / "out/stress.md").read_text()
@@ -41,6 +44,9 @@ def test_tune_draws_the_front_and_goes_on(tmp_path):
     pytest.importorskip("optuna")
     words = ["tune", "asr_twodof", "--controller", "ComputedTorque", "--duration", "0.3"]
     for trials in ("3", "5"):
-        called(*words, "--trials", trials, "--out", str(tmp_path))
+        shown = called(*words, "--trials", trials, "--out", str(tmp_path))
+    assert "[rad]" in shown
     assert (tmp_path / "front.png").stat().st_size > 5000
-    assert "kp=" in (tmp_path / "front.md").read_text()
+    written = (tmp_path / "front.md").read_text()
+    assert "kp=" in written
+    assert "tail_rms_error [rad]" in written
