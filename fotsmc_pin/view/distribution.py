@@ -8,7 +8,7 @@ import numpy as np
 
 from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.view.palette import COLORS
-from fotsmc_pin.view.style import legend_above, new_figure, paper_style
+from fotsmc_pin.view.style import legend_above, new_figure, paper_style, spans_decades
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -46,16 +46,10 @@ def distribution_figure(
             x, y = scale * values[finite], share[finite]
             panel.step(x, y, where="post", color=color, label=f"{name} ({values.size})")
             panel.plot(x[-1:], y[-1:], "o", color=color, markersize=3.5)
-        if _spans_decades(groups):
+        if spans_decades(np.concatenate([np.asarray(given, float) for given in groups.values()])):
             panel.set_xscale("log")
         panel.set_xlabel(f"{quantity} [{unit}]")
         panel.set_ylabel("runs at or below [%]")
         panel.set_ylim(0.0, 102.0)
         legend_above(figure, panel)
     return figure
-
-
-def _spans_decades(groups: Mapping[str, ArrayLike]) -> bool:
-    values = np.concatenate([np.asarray(given, dtype=np.float64) for given in groups.values()])
-    values = values[np.isfinite(values)]
-    return bool(values.size and values.min() > 0.0 and values.max() > 50.0 * values.min())

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from fotsmc_pin.view.style import new_figure, paper_style, save_figure
+import numpy as np
+
+from fotsmc_pin.view.style import new_figure, paper_style, save_figure, spans_decades
 
 if TYPE_CHECKING:
     import os
@@ -15,7 +17,7 @@ if TYPE_CHECKING:
 def plot_front(
     points: Sequence[tuple[float, float]], path: str | os.PathLike[str], error: str
 ) -> list[Path]:
-    """Draw error over torque variation, both on logarithmic axes.
+    """Draw error over torque variation, on logarithmic axes where they span decades.
 
     Args:
         points: pairs of error and torque variation [N·m/s].
@@ -28,8 +30,10 @@ def plot_front(
     with paper_style():
         figure, axes = new_figure(row_height=2.4)
         front = axes[0, 0]
-        ordered = sorted(points)
-        front.loglog([y for _, y in ordered], [x for x, _ in ordered], "o-", markersize=3.0)
+        errors, variations = np.array(sorted(points)).T
+        front.plot(variations, errors, "o-", markersize=3.0)
+        front.set_xscale("log" if spans_decades(variations) else "linear")
+        front.set_yscale("log" if spans_decades(errors) else "linear")
         front.set_xlabel("torque variation [N·m/s]")
         front.set_ylabel(error)
     return save_figure(figure, path)

@@ -110,6 +110,12 @@ def legend_above(figure: Figure, axes: Axes) -> None:
         legend.remove()
 
 
+def spans_decades(values: NDArray[np.float64]) -> bool:
+    """Return whether the finite ones of `values` want a logarithmic scale."""
+    finite = values[abs(values) < math.inf]
+    return bool(finite.size and finite.min() > 0.0 and finite.max() > 50.0 * finite.min())
+
+
 def label_axis(axes: Axes, quantity: str, unit: str) -> None:
     """Write `quantity [unit]` beside the vertical axis."""
     axes.set_ylabel(f"{quantity} [{unit}]")
