@@ -9,25 +9,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
 import fotsmc_pin as fp
-from fotsmc_pin.compiled import kernel
-from fotsmc_pin.control.acceleration_law import AccelerationLaw
-from fotsmc_pin.control.controller import A_D, ED, LIMIT, TAU, E
-from fotsmc_pin.control.gains import Gains, per_joint
-from fotsmc_pin.control.saturation import inverse_dynamics
-from fotsmc_pin.control.switching import sig
-
-if TYPE_CHECKING:
-    from fotsmc_pin.compiled import Kernel
-    from fotsmc_pin.control.gains import Array
+from fotsmc_pin.control import law
+from fotsmc_pin.control.law import Array, inverse_dynamics, per_joint, rows, sig
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class TwoPowerGains(Gains):
+class TwoPowerGains(law.Gains):
     """Gains of `TwoPowerSMC`: slope of the surface, and both terms of the reaching law."""
 
     Lambda: Array = per_joint(10.0, "1/s", above=0.0)
@@ -37,39 +29,42 @@ class TwoPowerGains(Gains):
     p_2: Array = per_joint(1.4, above=1.0)
 
 
-class TwoPowerSMC(AccelerationLaw):
+class Work(NamedTuple):
+    """Sliding variable [rad/s], commanded acceleration [rad/s²], torque cut off [N·m]."""
+
+    s: Array
+    a: Array
+    excess: Array
+
+
+class TwoPowerSMC(fp.Controller[TwoPowerGains]):
     """Sliding mode on `s = ė + Λ e` with a reaching law of two powers. Signals: "s"."""
 
     Gains = TwoPowerGains
+    Work = Work
+    signal_rows: ClassVar[law.SignalRows] = {"s": "s"}
 
-    @property
-    def _kernel(self) -> Kernel:
-        return control_law
-
-
-@kernel
-def control_law(
-    dt: float, joints: Array, M0: Array, h0: Array, gains: Array, kind: int, z: Array, work: Array
-) -> None:  # fmt: skip
-    """One tick; the arguments are those that `AccelerationLaw` describes."""
-    e, ed, a_d = joints[E], joints[ED], joints[A_D]
-    Lambda, k_1, k_2, p_1, p_2 = gains[0], gains[1], gains[2], gains[3], gains[4]
-    s, a, excess = work[0], work[1], work[2]
-    for i in range(e.size):
-        s[i] = ed[i] + Lambda[i] * e[i]
-        a[i] = a_d[i] - Lambda[i] * ed[i] - k_1[i] * sig(s[i], p_1[i]) - k_2[i] * sig(s[i], p_2[i])
-    inverse_dynamics(M0, h0, a, joints[LIMIT], joints[TAU], excess)
+    @staticmethod
+    @law.kernel
+    def tick(dt: float, table: Array, M0: Array, h0: Array) -> None:
+        """One tick: equations joint by joint, then the torque within its limits."""
+        x, g, _, w = rows(table, TwoPowerGains, law.NoRows, Work)
+        for i in range(x.e.size):
+            w.s[i] = x.e_dot[i] + g.Lambda[i] * x.e[i]
+            reach = g.k_1[i] * sig(w.s[i], g.p_1[i]) + g.k_2[i] * sig(w.s[i], g.p_2[i])
+            w.a[i] = x.a_d[i] - g.Lambda[i] * x.e_dot[i] - reach
+        inverse_dynamics(M0, h0, w.a, x.effort_limit, x.tau, w.excess)
 
 
 def main(out: Path = Path("out/own_controller"), duration: float = 6.0) -> fp.Recording:
     """Run the new law on a UR5 whose links are 20 % heavier than it believes."""
     nominal = fp.load_arm("ur5")
     true = fp.perturb(nominal, mass_scale=1.2)
-    law = TwoPowerSMC(nominal, dt=1e-3, Lambda=15.0)
+    controller = TwoPowerSMC(nominal, dt=1e-3, Lambda=15.0)
     reference = fp.references.Sinusoid.inside_limits(nominal)
     q0 = nominal.integrate(reference(0.0)[0], np.full(nominal.nv, 0.2))
-    rec = fp.simulate(true, law, reference, duration, q0=q0)
-    print(f"{law}\nkeeps {1e3 * fp.summarize(rec).tail_rms_error:.2f} mrad RMS")
+    rec = fp.simulate(true, controller, reference, duration, q0=q0)
+    print(f"{controller}\nkeeps {1e3 * fp.summarize(rec).tail_rms_error:.2f} mrad RMS")
     fp.export_html(rec, out / "own_controller.html")
     return rec
 

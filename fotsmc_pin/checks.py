@@ -1,4 +1,4 @@
-"""Checks of input at the public doors: numbers in, clean arrays out, or an `ArgumentError`."""
+"""Checks of the input of the public API: numbers in, clean arrays out, or an `ArgumentError`."""
 
 from __future__ import annotations
 
@@ -63,24 +63,40 @@ def count(name: str, value: int, *, at_least: int = 1) -> int:
 
 def finite_vector(name: str, value: ArrayLike, size: int) -> Vector:
     """Return a fresh float64 vector of shape `(size,)` with finite entries."""
+    return finite_array(name, value, (size,))
+
+
+def finite_array(
+    name: str, value: ArrayLike, shape: tuple[int, ...], *, unlimited: bool = False
+) -> Vector:
+    """Return a fresh float64 array of this shape with finite entries, or inf where `unlimited`."""
     try:
-        vector = np.array(value, dtype=np.float64)
+        array = np.array(value, dtype=np.float64)
     except (TypeError, ValueError):
-        raise ArgumentError(name, value, f"give {size} numbers") from None
-    if vector.shape != (size,):
-        raise ArgumentError(name, value, f"give shape ({size},), not {vector.shape}")
-    if not np.isfinite(vector).all():
+        raise ArgumentError(name, value, f"give numbers, of shape {shape}") from None
+    if array.shape != shape:
+        raise ArgumentError(name, value, f"give shape {shape}, not {array.shape}")
+    if not (np.isfinite(array) | (unlimited & (array == np.inf))).all():
         raise ArgumentError(name, value, "every entry must be finite")
-    return vector
+    return array
 
 
 def per_joint(
-    name: str, value: ArrayLike, size: int, *, above: float = -math.inf, at_least: float = -math.inf
+    name: str,
+    value: ArrayLike,
+    size: int,
+    *,
+    above: float = -math.inf,
+    at_least: float = -math.inf,
+    unlimited: bool = False,
 ) -> Vector:
-    """Return a vector with one entry per joint; a scalar stands for all of them."""
+    """Return a vector with one entry per joint; a scalar stands for all of them.
+
+    Where `unlimited`, inf is an entry like any other.
+    """
     if np.ndim(value) == 0:
         value = np.full(size, value)
-    vector = finite_vector(name, value, size)
+    vector = finite_array(name, value, (size,), unlimited=unlimited)
     if not (np.all(vector > above) and np.all(vector >= at_least)):
         word = f"above {above:g}" if math.isfinite(above) else f"at least {at_least:g}"
         raise ArgumentError(name, value, f"every entry must be {word}")

@@ -1,8 +1,8 @@
 """The one way to compile: `@kernel`, Numba in nopython mode with a cache on disk.
 
 A call of a kernel from Python first looks up the types of all arguments, which in a tick of control
-costs as much as the arithmetic. `settled` does so once, for arrays of one's own; `strict` keeps a
-kernel that is given other people's arrays from compiling anew in the middle of a run.
+costs as much as the arithmetic. `specialized` does so once, for arrays of one's own; `restricted`
+keeps a kernel that is given other people's arrays from compiling anew in the middle of a run.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 @overload
 def kernel(function: Function) -> Function: ...
 @overload
-def kernel(*, rounds_freely: bool) -> Callable[[Function], Function]: ...
-def kernel(function: Any = None, *, rounds_freely: bool = False) -> Any:
+def kernel(*, rounds_freely: bool = ..., is_part: bool = ...) -> Callable[[Function], Function]: ...
+def kernel(function: Any = None, *, rounds_freely: bool = False, is_part: bool = False) -> Any:
     """Compile `function` on its first call and keep the machine code on disk.
 
     With `NUMBA_DISABLE_JIT=1` the function stays plain Python. Where no cache folder can be
@@ -38,12 +38,15 @@ def kernel(function: Any = None, *, rounds_freely: bool = False) -> Any:
         function: what to compile.
         rounds_freely: let the processor add several terms of a sum at a time, and multiply and add
             in one step, which rounds differently from one operation after the other.
+        is_part: put its machine code into each kernel that calls it, as if it were written there.
+            For steps of a law that take its named rows, which are costly to hand over.
     """
     if function is None:
-        return partial(kernel, rounds_freely=rounds_freely)
+        return partial(kernel, rounds_freely=rounds_freely, is_part=is_part)
     options = {
         "error_model": "numpy",
         "fastmath": {"reassoc", "contract"} if rounds_freely else False,
+        "forceinline": is_part,
     }
     try:
         compiled = numba.njit(cache=_importable(function), **options)(function)
@@ -53,7 +56,7 @@ def kernel(function: Any = None, *, rounds_freely: bool = False) -> Any:
     return compiled
 
 
-def settled(function: Function, *examples: Any) -> Function:
+def specialized(function: Function, *examples: Any) -> Function:
     """Return the machine code of the kernel `function` for the types of `examples`.
 
     It is compiled here and now. Each call must give exactly these types and memory layouts: they
@@ -66,14 +69,14 @@ def settled(function: Function, *examples: Any) -> Function:
     return code
 
 
-def strict(function: Function, *examples: Any) -> Function:
+def restricted(function: Function, *examples: Any) -> Function:
     """Compile the kernel `function` for the types of `examples`; from now on it refuses others.
 
     A refusal is a `TypeError`. With compilation switched off nothing is refused.
     """
     kernel: Any = function
     if hasattr(kernel, "disable_compile") and not kernel.signatures:
-        settled(function, *examples)
+        specialized(function, *examples)
         kernel.disable_compile()
     return function
 

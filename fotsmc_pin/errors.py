@@ -38,6 +38,10 @@ class MeasurementError(ArgumentError):
     """A measurement or reference handed to a tick is not finite or has the wrong shape."""
 
 
+class DeclarationError(FotsmcError, TypeError):
+    """A class of control laws declares what does not fit together; found when it is defined."""
+
+
 class ArmNotFoundError(FotsmcError, FileNotFoundError):
     """No arm goes by this name and no file is there."""
 

@@ -3,7 +3,7 @@
 from fotsmc_pin.analysis.bounds import reaching_time_bound, settling_time_bound
 from fotsmc_pin.analysis.metrics import Summary, settling_time, summarize
 from fotsmc_pin.analysis.surface import sector_margin, surface_decay, surface_margin
-from fotsmc_pin.control.paper_condition import obeys_power_condition
+from fotsmc_pin.control.conditions import obeys_power_condition
 
 __all__ = [
     "Summary",

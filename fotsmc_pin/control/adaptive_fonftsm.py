@@ -5,21 +5,27 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
-import numpy as np
-
 from fotsmc_pin.compiled import kernel
-from fotsmc_pin.control.adaptation import ADAPTATION, adapt
-from fotsmc_pin.control.controller import V
-from fotsmc_pin.control.fonftsm import FONFTSM, PRACTICAL, SurfaceGains, control_law
+from fotsmc_pin.control.adaptation import ADAPTATION, RATES, Estimates, adapt
+from fotsmc_pin.control.fractional_surface import (
+    PRACTICAL,
+    FractionalSurfaceLaw,
+    SurfaceGains,
+    Work,
+    act,
+    reach,
+    slide,
+)
+from fotsmc_pin.control.functions import norm
 from fotsmc_pin.control.gains import option, scalar
+from fotsmc_pin.control.rows import rows
+from fotsmc_pin.fractional.advance import advance
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from fotsmc_pin.compiled import Kernel
-    from fotsmc_pin.control.gains import Array
-
-RATES = ("inverse", "direct")
+    from fotsmc_pin.control.controller import SignalRows
+    from fotsmc_pin.types import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -52,7 +58,7 @@ class AdaptiveFONFTSMGains(SurfaceGains):
     largest_bound: float = scalar(50.0, "N·m", above=0.0)
 
 
-class AdaptiveFONFTSM(FONFTSM):
+class AdaptiveFONFTSM(FractionalSurfaceLaw[AdaptiveFONFTSMGains]):
     """Adaptive fractional-order non-singular fast terminal sliding mode control, [22]-[24].
 
     The law [21] of `FONFTSM` with estimates in place of the bounds,
@@ -71,6 +77,8 @@ class AdaptiveFONFTSM(FONFTSM):
     """
 
     Gains = AdaptiveFONFTSMGains
+    State = Estimates
+    signal_rows: ClassVar[SignalRows] = {"s": "S", "w": "w", "b_hat": ("B0_hat", "B1_hat")}
     presets: ClassVar[Mapping[str, Mapping[str, Any]]] = {
         "paper": {},
         "practical": PRACTICAL
@@ -83,59 +91,27 @@ class AdaptiveFONFTSM(FONFTSM):
         },
     }
 
-    def _prepare(self) -> None:
-        super()._prepare()
-        g = self.gains
-        self._state = self._signals["b_hat"] = self._bounds
-        upsilon = np.array([g.upsilon_0, g.upsilon_1])
-        rates = 1.0 / upsilon if g.adaptation_rate == "inverse" else upsilon
-        self._arguments += (
-            ADAPTATION.index(g.adaptation),
-            np.array([*rates, g.dead_zone, g.leakage, g.largest_bound, *self._bounds]),
-        )
+    def start(self) -> None:
+        """Let the estimates begin where the gains say."""
+        super().start()
+        self.state.B0_hat[:], self.state.B1_hat[:] = self.gains.B0_start, self.gains.B1_start
 
-    def _first_bounds(self) -> Array:
-        return np.array([self.gains.B0_start, self.gains.B1_start])
-
-    @property
-    def _kernel(self) -> Kernel:
-        return adaptive_control_law
-
-
-@kernel
-def adaptive_control_law(
-    dt: float,
-    joints: Array,
-    M0: Array,
-    h0: Array,
-    gains: Array,
-    bounds: Array,
-    kind: int,
-    inside: bool,
-    derivative: Array,
-    derivative_memory: Array,
-    integral: Array,
-    integral_memory: Array,
-    work: Array,
-    adaptation_kind: int,
-    adaptation: Array,
-) -> None:
-    """One tick of [22]-[24]; `bounds` holds the estimates `B̂0, B̂1`."""
-    clipped = control_law(
-        dt,
-        joints,
-        M0,
-        h0,
-        gains,
-        bounds,
-        kind,
-        inside,
-        derivative,
-        derivative_memory,
-        integral,
-        integral_memory,
-        work,
-    )
-    if not clipped:
-        start = adaptation[-2:]
-        adapt(dt, bounds, start, work[0], joints[V], adaptation_kind, adaptation)
+    @staticmethod
+    @kernel
+    def tick(
+        dt: float,
+        table: Array,
+        M0: Array,
+        h0: Array,
+        derivative: Array,
+        derivative_memory: Array,
+        integral: Array,
+        integral_memory: Array,
+    ) -> None:
+        """One tick of [22]-[24]: that of [19]-[21] with the estimates, and their adaptation."""
+        x, g, m, w = rows(table, AdaptiveFONFTSMGains, Estimates, Work)
+        advance(derivative, derivative_memory, x.e_dot, dt, w.S)
+        slide(x, g, w)
+        reach(x, g, w, M0, m.B0_hat[0] + m.B1_hat[0] * norm(x.v))
+        if not act(dt, x, g, w, M0, h0, integral, integral_memory):
+            adapt(dt, g, m, norm(w.S), norm(x.v))

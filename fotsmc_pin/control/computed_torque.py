@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 from fotsmc_pin.compiled import kernel
-from fotsmc_pin.control.acceleration_law import AccelerationLaw
-from fotsmc_pin.control.controller import A_D, ED, LIMIT, TAU, E
+from fotsmc_pin.control.controller import Controller, SignalRows
 from fotsmc_pin.control.gains import Gains, per_joint
-from fotsmc_pin.control.saturation import integrated, inverse_dynamics
+from fotsmc_pin.control.rows import rows
+from fotsmc_pin.control.torque_limits import integrated, inverse_dynamics
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from fotsmc_pin.compiled import Kernel
-    from fotsmc_pin.control.gains import Array
+    from fotsmc_pin.types import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -33,7 +32,20 @@ class ComputedTorqueGains(Gains):
     ki: Array = per_joint(0.0, "1/s³", at_least=0.0)
 
 
-class ComputedTorque(AccelerationLaw):
+class State(NamedTuple):
+    """`K_i ∫e dt` [rad/s²]."""
+
+    z: Array
+
+
+class Work(NamedTuple):
+    """Commanded acceleration [rad/s²], torque cut off [N·m]."""
+
+    a: Array
+    excess: Array
+
+
+class ComputedTorque(Controller[ComputedTorqueGains]):
     """Computed torque with a PD or PID loop.
 
         a = a_d - K_d ė - K_p e - K_i ∫e dt,   τ = M0 a + C0 v + G0
@@ -44,38 +56,21 @@ class ComputedTorque(AccelerationLaw):
     """
 
     Gains = ComputedTorqueGains
+    State = State
+    Work = Work
+    signal_rows: ClassVar[SignalRows] = {"integral": "z"}
     presets: ClassVar[Mapping[str, Mapping[str, Any]]] = {
         "pd": {},
         "pid": {"kp": 300.0, "kd": 30.0, "ki": 1000.0},
     }
 
-    def _prepare(self) -> None:
-        super()._prepare()
-        self._signals = {"integral": self._state}
-
-    @property
-    def _kernel(self) -> Kernel:
-        return control_law
-
-
-@kernel
-def control_law(
-    dt: float,
-    joints: Array,
-    M0: Array,
-    h0: Array,
-    gains: Array,
-    kind: int,
-    z: Array,
-    work: Array,
-) -> None:
-    """One tick of computed torque; `z` is the integral."""
-    e, ed, a_d = joints[E], joints[ED], joints[A_D]
-    kp, kd, ki = gains[0], gains[1], gains[2]
-    a, excess = work[1], work[2]
-
-    for i in range(e.size):
-        a[i] = a_d[i] - kd[i] * ed[i] - kp[i] * e[i] - z[i]
-    inverse_dynamics(M0, h0, a, joints[LIMIT], joints[TAU], excess)
-    for i in range(e.size):
-        z[i] = integrated(z[i], ki[i] * e[i], dt, excess[i])
+    @staticmethod
+    @kernel
+    def tick(dt: float, table: Array, M0: Array, h0: Array) -> None:
+        """One tick of computed torque."""
+        x, g, m, w = rows(table, ComputedTorqueGains, State, Work)
+        for i in range(x.e.size):
+            w.a[i] = x.a_d[i] - g.kd[i] * x.e_dot[i] - g.kp[i] * x.e[i] - m.z[i]
+        inverse_dynamics(M0, h0, w.a, x.effort_limit, x.tau, w.excess)
+        for i in range(x.e.size):
+            m.z[i] = integrated(m.z[i], g.ki[i] * x.e[i], dt, w.excess[i])

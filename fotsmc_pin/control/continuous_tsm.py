@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 from fotsmc_pin.compiled import kernel
-from fotsmc_pin.control.acceleration_law import AccelerationLaw
-from fotsmc_pin.control.controller import A_D, ED, LIMIT, TAU, E
+from fotsmc_pin.control.controller import Controller, SignalRows
+from fotsmc_pin.control.functions import sig
 from fotsmc_pin.control.gains import Gains, per_joint, scalar
-from fotsmc_pin.control.saturation import inverse_dynamics
-from fotsmc_pin.control.switching import sig
+from fotsmc_pin.control.rows import NoRows, rows
+from fotsmc_pin.control.torque_limits import inverse_dynamics
 
 if TYPE_CHECKING:
-    from fotsmc_pin.compiled import Kernel
-    from fotsmc_pin.control.gains import Array
+    from fotsmc_pin.types import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -36,7 +35,15 @@ class ContinuousTSMGains(Gains):
     rho: float = scalar(0.6, above=0.0, below=1.0)
 
 
-class ContinuousTSM(AccelerationLaw):
+class Work(NamedTuple):
+    """Sliding variable [rad], commanded acceleration [rad/s²], torque cut off [N·m]."""
+
+    s: Array
+    a: Array
+    excess: Array
+
+
+class ContinuousTSM(Controller[ContinuousTSMGains]):
     """Continuous terminal sliding mode on `s = e + β sig(ė)^γ`, `1 < γ < 2`, [45].
 
         τ = C0 v + G0 + M0 a_d - M0 β^{-1} γ^{-1} sig(ė)^{2-γ} - M0 (K1 s + K2 sig(s)^ρ)
@@ -47,34 +54,20 @@ class ContinuousTSM(AccelerationLaw):
     """
 
     Gains = ContinuousTSMGains
+    Work = Work
+    signal_rows: ClassVar[SignalRows] = {"s": "s"}
 
-    @property
-    def _kernel(self) -> Kernel:
-        return control_law
-
-
-@kernel
-def control_law(
-    dt: float,
-    joints: Array,
-    M0: Array,
-    h0: Array,
-    gains: Array,
-    kind: int,
-    z: Array,
-    work: Array,
-) -> None:
-    """One tick of [45]."""
-    e, ed, a_d = joints[E], joints[ED], joints[A_D]
-    beta, gamma, K1, K2, rho = gains[0], gains[1], gains[2], gains[3], gains[4]
-    s, a, excess = work[0], work[1], work[2]
-
-    for i in range(e.size):
-        s[i] = e[i] + beta[i] * sig(ed[i], gamma[i])
-        a[i] = (
-            a_d[i]
-            - sig(ed[i], 2.0 - gamma[i]) / (beta[i] * gamma[i])
-            - K1[i] * s[i]
-            - K2[i] * sig(s[i], rho[i])
-        )
-    inverse_dynamics(M0, h0, a, joints[LIMIT], joints[TAU], excess)
+    @staticmethod
+    @kernel
+    def tick(dt: float, table: Array, M0: Array, h0: Array) -> None:
+        """One tick of [45]."""
+        x, g, _, w = rows(table, ContinuousTSMGains, NoRows, Work)
+        for i in range(x.e.size):
+            w.s[i] = x.e[i] + g.beta[i] * sig(x.e_dot[i], g.gamma)
+            w.a[i] = (
+                x.a_d[i]
+                - sig(x.e_dot[i], 2.0 - g.gamma) / (g.beta[i] * g.gamma)
+                - g.K1[i] * w.s[i]
+                - g.K2[i] * sig(w.s[i], g.rho)
+            )
+        inverse_dynamics(M0, h0, w.a, x.effort_limit, x.tau, w.excess)

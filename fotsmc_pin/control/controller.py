@@ -2,30 +2,37 @@
 
 from __future__ import annotations
 
-import math
-from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any, ClassVar
+from abc import ABC
+from collections.abc import Mapping
+from itertools import chain
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeAlias
 
 import numpy as np
 import pinocchio as pin
+from typing_extensions import TypeVar
 
 from fotsmc_pin import checks
-from fotsmc_pin.compiled import kernel, settled, strict
-from fotsmc_pin.control.saturation import clip
+from fotsmc_pin.arms import Arm
+from fotsmc_pin.compiled import restricted, specialized
+from fotsmc_pin.control.arguments import cleaned_arguments, read_arguments
+from fotsmc_pin.control.declaration import check_declaration
+from fotsmc_pin.control.gains import Gains
+from fotsmc_pin.control.rows import NoRows, new_table, rows, signal_views
+from fotsmc_pin.control.saved_state import restore, saved
+from fotsmc_pin.copying import SharesNothing
 from fotsmc_pin.errors import ArgumentError, MeasurementError
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable
 
     from numpy.typing import ArrayLike
 
-    from fotsmc_pin.arms import Arm
-    from fotsmc_pin.compiled import Kernel
-    from fotsmc_pin.control.gains import Array, Gains
-    from fotsmc_pin.fractional import Stream
+    from fotsmc_pin.fractional import FractionalOperator, Stream
+    from fotsmc_pin.types import Array
 
-LARGEST = 1e8
-"""Positions, speeds and accelerations beyond this are taken as this, so that nothing overflows."""
+G = TypeVar("G", bound=Gains, default=Any)
+Streams: TypeAlias = "Mapping[str, Callable[[Any, float], FractionalOperator]]"
+SignalRows: TypeAlias = Mapping[str, str | tuple[str, ...]]
 
 SHORTEST_TICK, LONGEST_TICK = 1e-3, 1e6
 """Measured periods of a tick are refused outside these multiples of the nominal one."""
@@ -33,29 +40,64 @@ SHORTEST_TICK, LONGEST_TICK = 1e-3, 1e6
 ROUNDNESS = 1e-3
 """How far the cosine and sine of a continuous joint may lie from the unit circle."""
 
-E, ED, V, V_D, A_D, TAU, LIMIT = range(7)
-"""Rows of a controller's `joints`: `e`, `ė`, `v`, `v_d`, `a_d`, the torque and its limit."""
+LINKED = {
+    *("_model", "_data", "_euclidean", "_q", "_q_d", "_v", "_tau"),
+    *("joints", "state", "_work", "_signals", "_arguments", "_code"),
+}
+"""Attributes that only refer to a controller's arrays; no copy takes them along."""
 
 
-class Controller(ABC):
+class Controller(SharesNothing, ABC, Generic[G]):
     """A control law bound to a nominal arm and a tick of `dt` seconds.
 
-    A law declares its `Gains` and `presets`, allocates its memory in `_prepare`, and names the
-    `_kernel` of one tick, which reads `_joints`, `_M0` and `_h0` and writes the torque into
-    `_joints[TAU]`. It is compiled when the controller is made, so that the first tick takes no
-    longer than the others.
+    A law declares what it is made of, in the class attributes below, and one kernel, `tick`. The
+    rest is done here: arguments are checked, the nominal model is evaluated, and the memory is
+    allocated, handed to the kernel, forgotten, saved and copied. The kernel is compiled when the
+    controller is made, so that the first tick takes no longer than the others.
+
+    A controller is an ordinary object: `copy`, `deepcopy` and `pickle` give an independent twin
+    that goes on bit for bit.
+
+    Class attributes:
+        Gains: the law's gains, with their bounds.
+        State: rows that live on from tick to tick, zero at the start.
+        Work: rows that a tick fills anew.
+        streams: the fractional operators, by name, each a function of the gains and `dt`.
+        signal_rows: which row of `State` or `Work` is shown under which name; several rows that
+            hold one number each are shown as one vector.
+        presets: sets of gains by name; the first one is the default.
+        representative: the law stands for one whose source could not be found.
+        uses_model: whether the tick reads `M0` and `h0`, which are then evaluated.
+        tick: the law, `tick(dt, table, M0, h0, ...)`, and for each stream its `coefficients` and
+            `memory`. It names the rows of the table by `rows`, writes the torque `tau` within the
+            effort limits, and advances the memory by one tick.
 
     Attributes:
         arm: the nominal arm; the plant is never seen.
         dt: nominal period of a tick [s].
         preset: name of the set of gains that was started from.
         gains: the gains in force, checked, one entry per joint where the law has it so.
+        joints: live rows of what a tick brings and gives, by name; for authors of laws.
+        state: live rows of `State`, by name; for authors of laws.
+        memories: the running streams, by name; for authors of laws.
     """
 
     Gains: ClassVar[type[Gains]]
+    State: ClassVar[type] = NoRows
+    Work: ClassVar[type] = NoRows
+    streams: ClassVar[Streams] = {}
+    signal_rows: ClassVar[SignalRows] = {}
     presets: ClassVar[Mapping[str, Mapping[str, Any]]] = {"default": {}}
     representative: ClassVar[bool] = False
-    """The law stands for one whose source could not be found."""
+    uses_model: ClassVar[bool] = True
+    tick: ClassVar[Callable[..., None]]
+
+    gains: G
+    state: Any
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        check_declaration(cls)
 
     def __init__(self, arm: Arm, dt: float, *, preset: str | None = None, **gains: Any) -> None:
         """Check the gains and allocate the memory.
@@ -69,42 +111,27 @@ class Controller(ABC):
         Raises:
             ArgumentError: naming the argument, its value and the remedy.
         """
+        if not isinstance(arm, Arm):
+            raise ArgumentError("arm", arm, "give an arm, as load_arm returns it")
         self.arm = arm
         self.dt = checks.finite_number("dt", dt, above=0.0)
         self.preset = checks.choice("preset", preset or next(iter(self.presets)), [*self.presets])
-        self.gains: Any = self.Gains.resolve(arm.nv, self.presets[self.preset], gains)
-        self._model, self._data = arm.model, arm.model.createData()
-        self._euclidean = arm.is_euclidean
+        self.gains = self.Gains.resolve(arm, self.dt, self.presets[self.preset], gains)  # type: ignore[assignment]
         self._configurations = np.zeros((2, arm.nq))
-        self._q, self._q_d = self._configurations
-        self._joints = np.zeros((7, arm.nv))
-        self._joints[LIMIT] = arm.effort_limit
-        self._v: Array = self._joints[V]
-        self._tau: Array = self._joints[TAU]
-        # Live views on Pinocchio's results. M0 is symmetric: its transpose is itself, in C order.
-        self._M0: Array = self._data.M.T
-        self._h0: Array = self._data.nle
-        self._streams: list[Stream] = []
-        self._state = np.zeros(0)
-        self._signals: dict[str, Array] = {}
-        self._arguments: tuple[Any, ...] = ()
-        self._prepare()
-        self._initial_state = self._state.copy()
-        self._code = settled(self._kernel, self.dt, *self._arguments)
-        q, v = self._q, self._v
-        strict(take, q, v, q, v, v, self._configurations, self._joints)
+        self._table = new_table(self.gains, self.State, self.Work, arm.effort_limit)
+        self.memories: dict[str, Stream] = {
+            name: operator(self.gains, self.dt).stream(arm.nv)
+            for name, operator in self.streams.items()
+        }
+        self._link()
+        self.review()
+        self.reset()
 
-    @abstractmethod
-    def _prepare(self) -> None:
-        """Allocate `_streams`, `_state` and `_signals`; gather the kernel's `_arguments`."""
+    def review(self) -> None:
+        """Warn of what the arm or the gains make impossible; called once, when both stand."""
 
-    @property
-    @abstractmethod
-    def _kernel(self) -> Kernel:
-        """The law: a kernel of `dt` and the `_arguments`.
-
-        It writes the torque, within the effort limits, and advances the memory by one tick.
-        """
+    def start(self) -> None:
+        """Fill in what the memory starts from, where that is not zero; called by `reset`."""
 
     def update(
         self,
@@ -133,30 +160,34 @@ class Controller(ABC):
                 controller is as it was, and the next good tick goes on from there.
         """
         try:
-            taken = take(q, v, q_d, v_d, a_d, self._configurations, self._joints)  # type: ignore[arg-type]
+            are_read = read_arguments(q, v, q_d, v_d, a_d, self._configurations, self._table)  # type: ignore[arg-type]
         except (AttributeError, TypeError):  # not plain arrays of floats
-            taken = False
-        if not taken:
-            self._take_with_care(q, v, q_d, v_d, a_d)
+            are_read = False
+        if not are_read:
+            clean = cleaned_arguments(self.arm.nq, self.arm.nv, q, v, q_d, v_d, a_d)
+            read_arguments(*clean, self._configurations, self._table)  # type: ignore[call-arg]
         if not self._euclidean:
-            self._take_difference(q, q_d)
+            self._read_difference(q, q_d)
         if dt is None:
             dt = self.dt
         else:
             shortest, longest = SHORTEST_TICK * self.dt, LONGEST_TICK * self.dt
             dt = checks.finite_number("dt", dt, at_least=shortest, at_most=longest)
-        self._model_terms()
+        if self.uses_model:
+            pin.crba(self._model, self._data, self._q)
+            pin.nonLinearEffects(self._model, self._data, self._q, self._v)
         self._code(dt, *self._arguments)
-        return self._tau.copy()
+        tau: Array = self._tau.copy()
+        return tau
 
-    def _pack(self, *values: Array | float) -> Array:
-        """Return gains as the rows of one array, a column per joint, for the kernel."""
-        return np.array([np.broadcast_to(value, self.arm.nv) for value in values])
-
-    def _model_terms(self) -> None:
-        """Evaluate the nominal model: `M0(q)` and `h0 = C0(q, v) v + G0(q)`."""
-        pin.crba(self._model, self._data, self._q)
-        pin.nonLinearEffects(self._model, self._data, self._q, self._v)
+    def reset(self) -> None:
+        """Forget everything: the controller is as it was when it was made."""
+        for stream in self.memories.values():
+            stream.reset()
+        self._tau[:] = 0.0
+        for row in (*self.state, *self._work):
+            row[:] = 0.0
+        self.start()
 
     @property
     def signals(self) -> dict[str, Array]:
@@ -168,71 +199,63 @@ class Controller(ABC):
         """The signals themselves, which every tick writes anew: for reading, by a recorder."""
         return self._signals
 
-    def reset(self) -> None:
-        """Forget everything: the controller is as it was when it was made."""
-        for stream in self._streams:
-            stream.reset()
-        self._state[:] = self._initial_state
-        self._tau[:] = 0.0
-        for signal in self._signals.values():
-            if not np.shares_memory(signal, self._state):
-                signal[:] = 0.0
+    def save_state(self) -> dict[str, Array]:
+        """Return everything that the controller remembers, as plain arrays by name.
+
+        Given to `restore_state` of a controller with the same arm, tick and gains, it goes on from
+        there bit for bit, in another process too.
+        """
+        return saved(self._remembered, self.memories)
+
+    def restore_state(self, arrays: Mapping[str, ArrayLike]) -> None:
+        """Take over what `save_state` gave.
+
+        Raises:
+            ArgumentError: an array is missing, unknown, of the wrong shape or not finite. The
+                memory stays as it was.
+        """
+        restore(arrays, self._remembered, self.memories)
+        self._link()
+
+    @property
+    def _remembered(self) -> dict[str, Any]:
+        return {"joints": self.joints, "state": self.state, "work": self._work}
 
     def __repr__(self) -> str:
         """Name the law, the arm, the period and the gains."""
         gains = ", ".join(f"{name}={value}" for name, value in self.gains.as_dict().items())
         return f"{type(self).__name__}({self.arm.name}, dt={self.dt:g}, {gains})"
 
-    def _take_with_care(self, *values: ArrayLike) -> None:
-        """Take lists, whole numbers and strided arrays too, or say which argument is at fault."""
-        nq, nv = self.arm.nq, self.arm.nv
-        names, sizes = ("q", "v", "q_d", "v_d", "a_d"), (nq, nv, nq, nv, nv)
-        clean = []
-        for name, value, size in zip(names, values, sizes, strict=True):
-            try:
-                clean.append(checks.finite_vector(name, value, size))
-            except ArgumentError as error:
-                raise MeasurementError(name, value, error.remedy) from None
-        q, v, q_d, v_d, a_d = clean
-        take(q, v, q_d, v_d, a_d, self._configurations, self._joints)
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what makes the controller, without the views and the code that `_link` makes."""
+        return {name: value for name, value in self.__dict__.items() if name not in LINKED}
 
-    def _take_difference(self, q: ArrayLike, q_d: ArrayLike) -> None:
-        """Take `e = q ⊖ q_d` of an arm with continuous joints, whose `q` are no plain vector."""
-        for name, value, taken in (("q", q, self._q), ("q_d", q_d, self._q_d)):
-            if not pin.isNormalized(self._model, taken, ROUNDNESS):
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._link()
+
+    def _link(self) -> None:
+        """Make what only refers to the arrays: the named rows, Pinocchio's memory, the code."""
+        self._model, self._data = self.arm.model, self.arm.model.createData()
+        self._euclidean = self.arm.is_euclidean
+        self._q, self._q_d = self._configurations
+        named: tuple[Any, ...] = rows(self._table, self.Gains, self.State, self.Work)
+        self.joints, _, self.state, self._work = named
+        self._v, self._tau = self.joints.v, self.joints.tau
+        self._signals = signal_views(
+            self._table, self.Gains, self.State, self.Work, self.signal_rows
+        )
+        # Live views on Pinocchio's results. M0 is symmetric: its transpose is itself, in C order.
+        streams = [(s.coefficients, s.memory) for s in self.memories.values()]
+        self._arguments = (self._table, self._data.M.T, self._data.nle, *chain(*streams))
+        self._code = specialized(self.tick, self.dt, *self._arguments)
+        q, v = self._q, self._v
+        restricted(read_arguments, q, v, q, v, v, self._configurations, self._table)
+
+    def _read_difference(self, q: ArrayLike, q_d: ArrayLike) -> None:
+        """Read `e = q ⊖ q_d` of an arm with continuous joints, whose `q` are no plain vector."""
+        for name, value, found in (("q", q, self._q), ("q_d", q_d, self._q_d)):
+            if not pin.isNormalized(self._model, found, ROUNDNESS):
                 remedy = "give the cosine and sine of each continuous joint"
                 raise MeasurementError(name, value, remedy)
-        self._joints[E] = pin.difference(self._model, self._q_d, self._q)
-
-
-@kernel
-def take(
-    q: Array,
-    v: Array,
-    q_d: Array,
-    v_d: Array,
-    a_d: Array,
-    configurations: Array,
-    joints: Array,
-) -> bool:
-    """Copy the arguments of a tick, each number kept below `LARGEST`; fill in `e` and `ė`.
-
-    `e` is that of plain joints, whose difference is that of their numbers. Returns whether every
-    array has its shape and every number is finite.
-    """
-    nq, nv = configurations.shape[1], joints.shape[1]
-    if not (q.shape == q_d.shape == (nq,) and v.shape == v_d.shape == a_d.shape == (nv,)):
-        return False
-    for k in range(nq):
-        if not (math.isfinite(q[k]) and math.isfinite(q_d[k])):
-            return False
-        configurations[0, k], configurations[1, k] = clip(q[k], LARGEST), clip(q_d[k], LARGEST)
-    for j in range(nv):
-        if not (math.isfinite(v[j]) and math.isfinite(v_d[j]) and math.isfinite(a_d[j])):
-            return False
-        joints[E, j] = configurations[0, j] - configurations[1, j]
-        joints[V, j] = clip(v[j], LARGEST)
-        joints[V_D, j] = clip(v_d[j], LARGEST)
-        joints[A_D, j] = clip(a_d[j], LARGEST)
-        joints[ED, j] = joints[V, j] - joints[V_D, j]
-    return True
+        self.joints.e[:] = pin.difference(self._model, self._q_d, self._q)

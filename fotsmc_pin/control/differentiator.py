@@ -9,13 +9,13 @@ import numpy as np
 
 from fotsmc_pin import checks
 from fotsmc_pin.compiled import kernel
-from fotsmc_pin.control.switching import sig
+from fotsmc_pin.control.functions import sig
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from fotsmc_pin.arms import Arm
-    from fotsmc_pin.control.gains import Array
+    from fotsmc_pin.types import Array
 
 
 class FilteredDifferentiator:

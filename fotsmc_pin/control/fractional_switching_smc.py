@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
-
-import numpy as np
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 from fotsmc_pin.compiled import kernel
-from fotsmc_pin.control.controller import A_D, ED, LIMIT, TAU, Controller, E
+from fotsmc_pin.control.controller import Controller, SignalRows, Streams
+from fotsmc_pin.control.functions import SIGN_OR_LAYER, SWITCHING, switch
 from fotsmc_pin.control.gains import Gains, option, per_joint, scalar
-from fotsmc_pin.control.saturation import inverse_dynamics, unwound
-from fotsmc_pin.control.switching import SIGN_OR_LAYER, SWITCHING, switch
+from fotsmc_pin.control.rows import NoRows, rows
+from fotsmc_pin.control.torque_limits import inverse_dynamics, unwound
 from fotsmc_pin.fractional import FractionalIntegral
 from fotsmc_pin.fractional.advance import commit, predict
 
 if TYPE_CHECKING:
-    from fotsmc_pin.compiled import Kernel
-    from fotsmc_pin.control.gains import Array
+    from fotsmc_pin.types import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -43,7 +41,30 @@ class FractionalSwitchingSMCGains(Gains):
     boundary_layer: Array = per_joint(0.1, "rad/s", above=0.0)
 
 
-class FractionalSwitchingSMC(Controller):
+class Work(NamedTuple):
+    """What one tick fills.
+
+    Attributes:
+        s: sliding variable [rad/s].
+        switched: `D^{-α} sign(s)` [s^α].
+        sign: the switching function.
+        a: commanded acceleration [rad/s²].
+        excess: torque cut off [N·m].
+    """
+
+    s: Array
+    switched: Array
+    sign: Array
+    a: Array
+    excess: Array
+
+
+def integral(g: FractionalSwitchingSMCGains, dt: float) -> FractionalIntegral:
+    """Return `D^{-α,σ}`."""
+    return FractionalIntegral(order=g.alpha, dt=dt, tempering=g.tempering)
+
+
+class FractionalSwitchingSMC(Controller[FractionalSwitchingSMCGains]):
     """Sliding mode whose sign passes through `D^{-α}`; representative: [34] is not printed.
 
         a = a_d - Λ ė - K s - η D^{-α} sign(s),   τ = M0 a + C0 v + G0,   s = ė + Λ e
@@ -53,57 +74,28 @@ class FractionalSwitchingSMC(Controller):
     """
 
     Gains = FractionalSwitchingSMCGains
+    Work = Work
+    streams: ClassVar[Streams] = {"integral": integral}
+    signal_rows: ClassVar[SignalRows] = {"s": "s", "switched": "switched"}
     presets = SIGN_OR_LAYER
     representative = True
 
-    def _prepare(self) -> None:
-        g = self.gains
-        integral = FractionalIntegral(order=g.alpha, dt=self.dt, tempering=g.tempering)
-        stream = integral.stream(self.arm.nv)
-        self._streams = [stream]
-        work = np.zeros((5, self.arm.nv))
-        self._signals = {"s": work[0], "switched": work[1]}
-        self._arguments = (
-            self._joints,
-            self._M0,
-            self._h0,
-            self._pack(g.Lambda, g.K, g.eta, g.boundary_layer),
-            SWITCHING.index(g.switching),
-            stream.coefficients,
-            stream.memory,
-            work,
-        )
-
-    @property
-    def _kernel(self) -> Kernel:
-        return control_law
-
-
-@kernel
-def control_law(
-    dt: float,
-    joints: Array,
-    M0: Array,
-    h0: Array,
-    gains: Array,
-    kind: int,
-    integral: Array,
-    integral_memory: Array,
-    work: Array,
-) -> None:
-    """One tick of sliding mode with a fractional switching term."""
-    e, ed, a_d = joints[E], joints[ED], joints[A_D]
-    Lambda, K, eta, phi = gains[0], gains[1], gains[2], gains[3]
-    s, switched, sign, a, excess = work[0], work[1], work[2], work[3], work[4]
-
-    gain = predict(integral, integral_memory, dt, switched)
-    for i in range(e.size):
-        s[i] = ed[i] + Lambda[i] * e[i]
-        sign[i] = switch(s[i], kind, phi[i])
-        switched[i] += gain * sign[i]
-        a[i] = a_d[i] - Lambda[i] * ed[i] - K[i] * s[i] - eta[i] * switched[i]
-    inverse_dynamics(M0, h0, a, joints[LIMIT], joints[TAU], excess)
-    for i in range(e.size):
-        if excess[i] != 0.0 and eta[i] > 0.0:
-            sign[i] = unwound(sign[i], excess[i], gain * eta[i] * M0[i, i])
-    commit(integral, integral_memory, sign, dt)
+    @staticmethod
+    @kernel
+    def tick(
+        dt: float, table: Array, M0: Array, h0: Array, integral: Array, integral_memory: Array
+    ) -> None:
+        """One tick of sliding mode with a fractional switching term."""
+        x, g, _, w = rows(table, FractionalSwitchingSMCGains, NoRows, Work)
+        gain = predict(integral, integral_memory, dt, w.switched)
+        for i in range(x.e.size):
+            w.s[i] = x.e_dot[i] + g.Lambda[i] * x.e[i]
+            w.sign[i] = switch(w.s[i], g.switching, g.boundary_layer[i])
+            w.switched[i] += gain * w.sign[i]
+            reach = g.K[i] * w.s[i]
+            w.a[i] = x.a_d[i] - g.Lambda[i] * x.e_dot[i] - reach - g.eta[i] * w.switched[i]
+        inverse_dynamics(M0, h0, w.a, x.effort_limit, x.tau, w.excess)
+        for i in range(x.e.size):
+            if w.excess[i] != 0.0 and g.eta[i] > 0.0:
+                w.sign[i] = unwound(w.sign[i], w.excess[i], gain * g.eta[i] * M0[i, i])
+        commit(integral, integral_memory, w.sign, dt)

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from fotsmc_pin.arms import Arm
-    from fotsmc_pin.control.gains import Array
+    from fotsmc_pin.types import Array
 
 WIDTH = 0.02
 """Speed over which the Coulomb part changes sign [rad/s, m/s]."""

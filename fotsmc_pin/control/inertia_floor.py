@@ -15,7 +15,7 @@ from fotsmc_pin.compiled import kernel
 
 if TYPE_CHECKING:
     from fotsmc_pin.arms import Arm
-    from fotsmc_pin.control.gains import Array
+    from fotsmc_pin.types import Array
 
 LARGEST_ACCELERATION = 150.0
 """Acceleration at which the largest floor asks for the whole effort limit [rad/s²]."""

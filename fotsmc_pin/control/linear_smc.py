@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 from fotsmc_pin.compiled import kernel
-from fotsmc_pin.control.acceleration_law import AccelerationLaw
-from fotsmc_pin.control.controller import A_D, ED, LIMIT, TAU, E
+from fotsmc_pin.control.controller import Controller, SignalRows
+from fotsmc_pin.control.functions import SIGN_OR_LAYER, SWITCHING, switch
 from fotsmc_pin.control.gains import Gains, option, per_joint
-from fotsmc_pin.control.saturation import inverse_dynamics
-from fotsmc_pin.control.switching import SIGN_OR_LAYER, SWITCHING, switch
+from fotsmc_pin.control.rows import NoRows, rows
+from fotsmc_pin.control.torque_limits import inverse_dynamics
 
 if TYPE_CHECKING:
-    from fotsmc_pin.compiled import Kernel
-    from fotsmc_pin.control.gains import Array
+    from fotsmc_pin.types import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -36,7 +35,15 @@ class LinearSMCGains(Gains):
     boundary_layer: Array = per_joint(0.1, "rad/s", above=0.0)
 
 
-class LinearSMC(AccelerationLaw):
+class Work(NamedTuple):
+    """Sliding variable [rad/s], commanded acceleration [rad/s²], torque cut off [N·m]."""
+
+    s: Array
+    a: Array
+    excess: Array
+
+
+class LinearSMC(Controller[LinearSMCGains]):
     """Sliding mode on `s = ė + Λ e`, with the sign or a boundary layer.
 
         a = a_d - Λ ė - K s - η sign(s),   τ = M0 a + C0 v + G0
@@ -47,30 +54,17 @@ class LinearSMC(AccelerationLaw):
     """
 
     Gains = LinearSMCGains
+    Work = Work
+    signal_rows: ClassVar[SignalRows] = {"s": "s"}
     presets = SIGN_OR_LAYER
 
-    @property
-    def _kernel(self) -> Kernel:
-        return control_law
-
-
-@kernel
-def control_law(
-    dt: float,
-    joints: Array,
-    M0: Array,
-    h0: Array,
-    gains: Array,
-    kind: int,
-    z: Array,
-    work: Array,
-) -> None:
-    """One tick of sliding mode on a linear surface."""
-    e, ed, a_d = joints[E], joints[ED], joints[A_D]
-    Lambda, K, eta, phi = gains[0], gains[1], gains[2], gains[3]
-    s, a, excess = work[0], work[1], work[2]
-
-    for i in range(e.size):
-        s[i] = ed[i] + Lambda[i] * e[i]
-        a[i] = a_d[i] - Lambda[i] * ed[i] - K[i] * s[i] - eta[i] * switch(s[i], kind, phi[i])
-    inverse_dynamics(M0, h0, a, joints[LIMIT], joints[TAU], excess)
+    @staticmethod
+    @kernel
+    def tick(dt: float, table: Array, M0: Array, h0: Array) -> None:
+        """One tick of sliding mode on a linear surface."""
+        x, g, _, w = rows(table, LinearSMCGains, NoRows, Work)
+        for i in range(x.e.size):
+            w.s[i] = x.e_dot[i] + g.Lambda[i] * x.e[i]
+            sign = switch(w.s[i], g.switching, g.boundary_layer[i])
+            w.a[i] = x.a_d[i] - g.Lambda[i] * x.e_dot[i] - g.K[i] * w.s[i] - g.eta[i] * sign
+        inverse_dynamics(M0, h0, w.a, x.effort_limit, x.tau, w.excess)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from fotsmc_pin.compiled import kernel
 
 if TYPE_CHECKING:
-    from fotsmc_pin.control.gains import Array
+    from fotsmc_pin.types import Array
 
 
 @kernel

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 from fotsmc_pin.compiled import kernel
-from fotsmc_pin.control.acceleration_law import AccelerationLaw
-from fotsmc_pin.control.controller import A_D, ED, LIMIT, TAU, E
+from fotsmc_pin.control.controller import Controller, SignalRows
+from fotsmc_pin.control.functions import SIGN_OR_LAYER, SWITCHING, sig, switch
 from fotsmc_pin.control.gains import Gains, option, per_joint, scalar
-from fotsmc_pin.control.saturation import inverse_dynamics
-from fotsmc_pin.control.switching import SIGN_OR_LAYER, SWITCHING, sig, switch
+from fotsmc_pin.control.rows import NoRows, rows
+from fotsmc_pin.control.torque_limits import inverse_dynamics
 
 if TYPE_CHECKING:
-    from fotsmc_pin.compiled import Kernel
-    from fotsmc_pin.control.gains import Array
+    from fotsmc_pin.types import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -38,7 +37,15 @@ class NonsingularTSMGains(Gains):
     boundary_layer: Array = per_joint(0.01, "rad", above=0.0)
 
 
-class NonsingularTSM(AccelerationLaw):
+class Work(NamedTuple):
+    """Sliding variable [rad], commanded acceleration [rad/s²], torque cut off [N·m]."""
+
+    s: Array
+    a: Array
+    excess: Array
+
+
+class NonsingularTSM(Controller[NonsingularTSMGains]):
     """Sliding mode on the non-singular terminal surface `s = e + β sig(ė)^γ`, `1 < γ < 2`.
 
         a = a_d - β^{-1} γ^{-1} sig(ė)^{2-γ} - K s - η sign(s),   τ = M0 a + C0 v + G0
@@ -49,35 +56,18 @@ class NonsingularTSM(AccelerationLaw):
     """
 
     Gains = NonsingularTSMGains
+    Work = Work
+    signal_rows: ClassVar[SignalRows] = {"s": "s"}
     presets = SIGN_OR_LAYER
 
-    @property
-    def _kernel(self) -> Kernel:
-        return control_law
-
-
-@kernel
-def control_law(
-    dt: float,
-    joints: Array,
-    M0: Array,
-    h0: Array,
-    gains: Array,
-    kind: int,
-    z: Array,
-    work: Array,
-) -> None:
-    """One tick of sliding mode on the non-singular terminal surface."""
-    e, ed, a_d = joints[E], joints[ED], joints[A_D]
-    beta, gamma, K, eta, phi = gains[0], gains[1], gains[2], gains[3], gains[4]
-    s, a, excess = work[0], work[1], work[2]
-
-    for i in range(e.size):
-        s[i] = e[i] + beta[i] * sig(ed[i], gamma[i])
-        a[i] = (
-            a_d[i]
-            - sig(ed[i], 2.0 - gamma[i]) / (beta[i] * gamma[i])
-            - K[i] * s[i]
-            - eta[i] * switch(s[i], kind, phi[i])
-        )
-    inverse_dynamics(M0, h0, a, joints[LIMIT], joints[TAU], excess)
+    @staticmethod
+    @kernel
+    def tick(dt: float, table: Array, M0: Array, h0: Array) -> None:
+        """One tick of sliding mode on the non-singular terminal surface."""
+        x, g, _, w = rows(table, NonsingularTSMGains, NoRows, Work)
+        for i in range(x.e.size):
+            w.s[i] = x.e[i] + g.beta[i] * sig(x.e_dot[i], g.gamma)
+            slope = sig(x.e_dot[i], 2.0 - g.gamma) / (g.beta[i] * g.gamma)
+            sign = switch(w.s[i], g.switching, g.boundary_layer[i])
+            w.a[i] = x.a_d[i] - slope - g.K[i] * w.s[i] - g.eta[i] * sign
+        inverse_dynamics(M0, h0, w.a, x.effort_limit, x.tau, w.excess)

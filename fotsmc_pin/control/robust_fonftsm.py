@@ -3,26 +3,28 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from fotsmc_pin.compiled import kernel
-from fotsmc_pin.control.controller import A_D, ED, LIMIT, TAU, Controller, E, V
-from fotsmc_pin.control.gains import Gains, flag, per_joint, scalar
-from fotsmc_pin.control.gravity_check import warn_of_gravity
+from fotsmc_pin.control.conditions import warn_of_gravity
+from fotsmc_pin.control.controller import Controller, SignalRows, Streams
+from fotsmc_pin.control.functions import sig
+from fotsmc_pin.control.gains import DERIVED, Gains, flag, per_joint, scalar
 from fotsmc_pin.control.inertia_floor import OBSERVER_RATE, largest_floor, raise_floor
 from fotsmc_pin.control.momentum_observer import observe
-from fotsmc_pin.control.saturation import integrated, inverse_dynamics, unwound
-from fotsmc_pin.control.switching import sig
+from fotsmc_pin.control.rows import rows
+from fotsmc_pin.control.torque_limits import integrated, inverse_dynamics, unwound
 from fotsmc_pin.fractional import FractionalDerivative, FractionalIntegral
 from fotsmc_pin.fractional.advance import advance, commit, predict
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from fotsmc_pin.arms import Arm
-    from fotsmc_pin.compiled import Kernel
-    from fotsmc_pin.control.gains import Array
+    from fotsmc_pin.types import Array
 
 LONGEST_TICK_AT_FULL_SPEED = 1.5e-3
 """The default rates suit ticks up to this; longer ones slow them in proportion [s]."""
@@ -56,23 +58,92 @@ class RobustFONFTSMGains(Gains):
 
     alpha: float = scalar(0.3, at_least=0.0, below=1.0)
     tempering: float = scalar(10.0, "1/s", at_least=0.0)
-    A: Array = per_joint(None, "s^-(1+α)", above=0.0)
+    A: Array = per_joint(DERIVED, "s^-(1+α)", above=0.0)
     lam: Array = per_joint(2.0, "rad^(1-p/q) s^-(1+α)", at_least=0.0)
     power: float = scalar(1.1, above=1.0, below=2.0)
     reach: Array = per_joint(0.3, "rad", above=0.0)
-    theta: Array = per_joint(None, "1/s", above=0.0)
+    theta: Array = per_joint(DERIVED, "1/s", above=0.0)
     mu: float = scalar(0.99, above=0.0, below=1.0)
     integral: Array = per_joint(50.0, "rad s^-(3-α)", at_least=0.0)
     boundary_layer: Array = per_joint(0.05, "rad s^-(1+α)", above=0.0)
-    observer: Array = per_joint(None, "rad/s", at_least=0.0)
+    observer: Array = per_joint(DERIVED, "rad/s", at_least=0.0)
     floor_share: Array = per_joint(0.16, "s²/rad", at_least=0.0)
     floor_rate: Array = per_joint(25.0, "rad/s", above=0.0)
-    floor_limit: Array = per_joint(None, "kg·m²", at_least=0.0)
+    floor_limit: Array = per_joint(DERIVED, "kg·m²", at_least=0.0, unlimited=True)
     anti_windup: bool = flag(True)
     memory_horizon: float = scalar(1e3, "s", above=0.0, tuned=False)
 
+    @classmethod
+    def derive(cls, arm: Arm, dt: float, known: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the rates that the tick bears and the floor that the motors bear.
 
-class RobustFONFTSM(Controller):
+        A loop that acts `1.5 dt` late, by the hold and one tick of delay, bears rates in proportion
+        to `1 / dt`: beyond 1.5 ms all rates are slowed by one factor.
+        """
+        slower = min(1.0, LONGEST_TICK_AT_FULL_SPEED / dt)
+        return {
+            "A": np.full(arm.nv, 25.0 * slower ** (1.0 + known["alpha"])),
+            "theta": np.full(arm.nv, 12.0 * slower),
+            "observer": np.full(arm.nv, 100.0 * slower),
+            "floor_limit": largest_floor(arm),
+        }
+
+
+class State(NamedTuple):
+    """What lives on from tick to tick.
+
+    Attributes:
+        z: integral in place of the sign [rad s^-(2-α)].
+        e_dot_a: speed error `ė_a` that was commanded [rad/s].
+        y: commanded acceleration below `ω_f` [rad/s²].
+        last_v: velocity of the last tick [rad/s].
+        d: disturbance that the momentum observer sees [N·m].
+        mean_d: lasting part of it [N·m].
+        delta: floor `δ` under the inertia [kg·m²].
+        ticks: how many there were.
+    """
+
+    z: Array
+    e_dot_a: Array
+    y: Array
+    last_v: Array
+    d: Array
+    mean_d: Array
+    delta: Array
+    ticks: Array
+
+
+class Work(NamedTuple):
+    """What one tick fills.
+
+    Attributes:
+        S: sliding variable [rad s^-(1+α)].
+        w: integrand of the fractional integral.
+        a: commanded acceleration [rad/s²].
+        u: acceleration that is asked for, with what is missing [rad/s²].
+        excess: torque beside `M0 u`; then what was cut off [N·m].
+    """
+
+    S: Array
+    w: Array
+    a: Array
+    u: Array
+    excess: Array
+
+
+def derivative(g: RobustFONFTSMGains, dt: float) -> FractionalDerivative:
+    """Return `D^{α,σ}`."""
+    return FractionalDerivative(
+        order=g.alpha, dt=dt, horizon=g.memory_horizon, tempering=g.tempering
+    )
+
+
+def integral(g: RobustFONFTSMGains, dt: float) -> FractionalIntegral:
+    """Return `I^{α,σ}`."""
+    return FractionalIntegral(order=g.alpha, dt=dt, horizon=g.memory_horizon, tempering=g.tempering)
+
+
+class RobustFONFTSM(Controller[RobustFONFTSMGains]):
     """Fractional terminal sliding mode control that needs no tuning to the arm.
 
     Surface, with the tempered Caputo derivative `D^{α,σ}` and `ς(e) = e / √(1 + (e/ē)²)`:
@@ -106,133 +177,78 @@ class RobustFONFTSM(Controller):
     """
 
     Gains = RobustFONFTSMGains
-
-    def _prepare(self) -> None:
-        warn_of_gravity(self.arm, stacklevel=3)
-        self.gains = g = complete_gains(self.gains, self.arm, self.dt)
-        n = self.arm.nv
-        memory: dict[str, Any] = {
-            "order": g.alpha,
-            "dt": self.dt,
-            "horizon": g.memory_horizon,
-            "tempering": g.tempering,
-        }
-        derivative = FractionalDerivative(**memory).stream(n)
-        integral = FractionalIntegral(**memory).stream(n)
-        self._streams = [derivative, integral]
-        # Rows: z, ė_a, y, last v, d, mean of d, δ; and, in the first entry of the last row, whether
-        # there was a tick.
-        self._state = np.zeros((8, n))
-        work = np.zeros((5, n))
-        self._signals = {
-            "s": work[0],
-            "z": self._state[0],
-            "disturbance": self._state[4],
-            "inertia_floor": self._state[6],
-        }
-        self._arguments = (
-            self._joints,
-            self._M0,
-            self._h0,
-            self._pack(
-                g.A, g.lam, g.power, g.reach, g.theta, g.mu, g.integral, g.boundary_layer,
-                g.observer, g.floor_share, g.floor_rate, g.floor_limit,
-            ),
-            g.anti_windup,
-            derivative.coefficients,
-            derivative.memory,
-            integral.coefficients,
-            integral.memory,
-            self._state,
-            work,
-        )  # fmt: skip
-
-    @property
-    def _kernel(self) -> Kernel:
-        return control_law
-
-
-def complete_gains(gains: RobustFONFTSMGains, arm: Arm, dt: float) -> RobustFONFTSMGains:
-    """Return the gains with those filled in that follow from the arm and the period of a tick.
-
-    A loop that acts `1.5 dt` late, by the hold and one tick of delay, bears rates in proportion to
-    `1 / dt`: beyond 1.5 ms all rates are slowed by one factor.
-    """
-    slower = min(1.0, LONGEST_TICK_AT_FULL_SPEED / dt)
-    defaults: dict[str, Any] = {
-        "A": np.full(arm.nv, 25.0 * slower ** (1.0 + gains.alpha)),
-        "theta": np.full(arm.nv, 12.0 * slower),
-        "observer": np.full(arm.nv, 100.0 * slower),
-        "floor_limit": largest_floor(arm),
+    State = State
+    Work = Work
+    streams: ClassVar[Streams] = {
+        "derivative": derivative,
+        "integral": integral,
     }
-    missing = {name for name in defaults if getattr(gains, name) is None}
-    return replace(gains, **{name: defaults[name] for name in missing})
+    signal_rows: ClassVar[SignalRows] = {
+        "s": "S",
+        "z": "z",
+        "disturbance": "d",
+        "inertia_floor": "delta",
+    }
 
+    def review(self) -> None:
+        """Warn of an arm that cannot hold itself up."""
+        warn_of_gravity(self.arm, self)
 
-@kernel
-def control_law(
-    dt: float,
-    joints: Array,
-    M0: Array,
-    h0: Array,
-    gains: Array,
-    anti_windup: bool,
-    derivative: Array,
-    derivative_memory: Array,
-    integral: Array,
-    integral_memory: Array,
-    state: Array,
-    work: Array,
-) -> None:
-    """One tick; `tau` still holds the torque of the last one."""
-    e, ed, v, a_d, tau = joints[E], joints[ED], joints[V], joints[A_D], joints[TAU]
-    A, lam, r, reach, theta, mu, b, phi, K, share, floor_rate, largest = (
-        gains[0], gains[1], gains[2], gains[3], gains[4], gains[5], gains[6], gains[7], gains[8],
-        gains[9], gains[10], gains[11],
-    )  # fmt: skip
-    z, ed_a, y, last_v, d, mean_d, delta, started = (
-        state[0], state[1], state[2], state[3], state[4], state[5], state[6], state[7],
-    )  # fmt: skip
-    S, w, a, u, excess = work[0], work[1], work[2], work[3], work[4]
-    n = e.size
+    @staticmethod
+    @kernel
+    def tick(
+        dt: float,
+        table: Array,
+        M0: Array,
+        h0: Array,
+        derivative: Array,
+        derivative_memory: Array,
+        integral: Array,
+        integral_memory: Array,
+    ) -> None:
+        """One tick; `tau` still holds the torque of the last one."""
+        x, g, m, w = rows(table, RobustFONFTSMGains, State, Work)
+        n = x.e.size
 
-    # What the last tick did: the disturbance, and the floor under the inertia that it calls for.
-    if started[0] == 0.0:
-        started[0] = 1.0
-        ed_a[:] = ed
-    else:
-        observe(dt, M0, h0, v, last_v, tau, OBSERVER_RATE, d)
-        raise_floor(dt, e, M0, d, share, largest, mean_d, delta)
-    last_v[:] = v
+        # What the last tick did: the disturbance, and the floor under the inertia it calls for.
+        if m.ticks[0] == 0.0:
+            m.e_dot_a[:] = x.e_dot
+        else:
+            observe(dt, M0, h0, x.v, m.last_v, x.tau, OBSERVER_RATE, m.d)
+            raise_floor(dt, x.e, M0, m.d, g.floor_share, g.floor_limit, m.mean_d, m.delta)
+        m.last_v[:] = x.v
+        m.ticks[0] += 1.0
 
-    # S = D^{α,σ} ė + A ς(e) + λ sig(e)^{p/q}
-    advance(derivative, derivative_memory, ed, dt, S)
-    for i in range(n):
-        bend = 1.0 / math.sqrt(1.0 + (e[i] / reach[i]) ** 2)
-        S[i] += A[i] * bend * e[i] + lam[i] * sig(e[i], r[i])
-        w[i] = (
-            theta[i] * (S[i] + sig(S[i], mu[i]))
-            + A[i] * bend**3 * ed[i]
-            + lam[i] * r[i] * abs(e[i]) ** (r[i] - 1.0) * ed[i]
-            + z[i]
-        )
+        # S = D^{α,σ} ė + A ς(e) + λ sig(e)^{p/q}
+        advance(derivative, derivative_memory, x.e_dot, dt, w.S)
+        for i in range(n):
+            bend = 1.0 / math.sqrt(1.0 + (x.e[i] / g.reach[i]) ** 2)
+            w.S[i] += g.A[i] * bend * x.e[i] + g.lam[i] * sig(x.e[i], g.power)
+            w.w[i] = (
+                g.theta[i] * (w.S[i] + sig(w.S[i], g.mu))
+                + g.A[i] * bend**3 * x.e_dot[i]
+                + g.lam[i] * g.power * abs(x.e[i]) ** (g.power - 1.0) * x.e_dot[i]
+                + m.z[i]
+            )
 
-    # a = a_d - I^{α,σ} w,   u = a + K (ė_a - ė),   τ = M0 u + δ y + C0 v + G0
-    gain = predict(integral, integral_memory, dt, a)
-    for i in range(n):
-        a[i] = a_d[i] - a[i] - gain * w[i]
-        u[i] = a[i] + K[i] * (ed_a[i] - ed[i])
-        y[i] += floor_rate[i] * dt / (1.0 + floor_rate[i] * dt) * (u[i] - y[i])
-        excess[i] = h0[i] + delta[i] * y[i]
-    inverse_dynamics(M0, excess, u, joints[LIMIT], tau, excess)
+        # a = a_d - I^{α,σ} w,   u = a + K (ė_a - ė),   τ = M0 u + δ y + C0 v + G0
+        gain = predict(integral, integral_memory, dt, w.a)
+        for i in range(n):
+            w.a[i] = x.a_d[i] - w.a[i] - gain * w.w[i]
+            w.u[i] = w.a[i] + g.observer[i] * (m.e_dot_a[i] - x.e_dot[i])
+            share = g.floor_rate[i] * dt / (1.0 + g.floor_rate[i] * dt)
+            m.y[i] += share * (w.u[i] - m.y[i])
+            w.excess[i] = h0[i] + m.delta[i] * m.y[i]
+        inverse_dynamics(M0, w.excess, w.u, x.effort_limit, x.tau, w.excess)
 
-    # What the actuator cannot follow does not enter the memories.
-    for i in range(n):
-        unfollowed = excess[i] if anti_windup else 0.0
-        inertia = M0[i, i] + delta[i]
-        if unfollowed != 0.0:
-            w[i] = unwound(w[i], unfollowed, gain * inertia)
-        x = S[i] / phi[i]
-        z[i] = integrated(z[i], b[i] * x / (1.0 + x * x), dt, unfollowed)
-        ed_a[i] += dt * (a[i] - a_d[i] - unfollowed / inertia)
-    commit(integral, integral_memory, w, dt)
+        # What the actuator cannot follow does not enter the memories.
+        for i in range(n):
+            unfollowed = w.excess[i] if g.anti_windup else 0.0
+            inertia = M0[i, i] + m.delta[i]
+            if unfollowed != 0.0:
+                w.w[i] = unwound(w.w[i], unfollowed, gain * inertia)
+            ratio = w.S[i] / g.boundary_layer[i]
+            rate = g.integral[i] * ratio / (1.0 + ratio * ratio)
+            m.z[i] = integrated(m.z[i], rate, dt, unfollowed)
+            m.e_dot_a[i] += dt * (w.a[i] - x.a_d[i] - unfollowed / inertia)
+        commit(integral, integral_memory, w.w, dt)

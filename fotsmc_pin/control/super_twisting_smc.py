@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 from fotsmc_pin.compiled import kernel
-from fotsmc_pin.control.acceleration_law import AccelerationLaw
-from fotsmc_pin.control.controller import A_D, ED, LIMIT, TAU, E
+from fotsmc_pin.control.controller import Controller, SignalRows
+from fotsmc_pin.control.functions import SIGN_OR_LAYER, SWITCHING, sig, switch
 from fotsmc_pin.control.gains import Gains, option, per_joint
-from fotsmc_pin.control.saturation import integrated, inverse_dynamics
-from fotsmc_pin.control.switching import SIGN_OR_LAYER, SWITCHING, sig, switch
+from fotsmc_pin.control.rows import rows
+from fotsmc_pin.control.torque_limits import integrated, inverse_dynamics
 
 if TYPE_CHECKING:
-    from fotsmc_pin.compiled import Kernel
-    from fotsmc_pin.control.gains import Array
+    from fotsmc_pin.types import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -36,7 +35,21 @@ class SuperTwistingSMCGains(Gains):
     boundary_layer: Array = per_joint(0.1, "rad/s", above=0.0)
 
 
-class SuperTwistingSMC(AccelerationLaw):
+class State(NamedTuple):
+    """Integral of the switching function [rad/s²]."""
+
+    z: Array
+
+
+class Work(NamedTuple):
+    """Sliding variable [rad/s], commanded acceleration [rad/s²], torque cut off [N·m]."""
+
+    s: Array
+    a: Array
+    excess: Array
+
+
+class SuperTwistingSMC(Controller[SuperTwistingSMCGains]):
     """Super-twisting on `s = ė + Λ e`; representative: the law of [49] is not printed in the paper.
 
         a = a_d - Λ ė - k1 sig(s)^{1/2} - z,   dz/dt = k2 sign(s),   τ = M0 a + C0 v + G0
@@ -47,37 +60,21 @@ class SuperTwistingSMC(AccelerationLaw):
     """
 
     Gains = SuperTwistingSMCGains
+    State = State
+    Work = Work
+    signal_rows: ClassVar[SignalRows] = {"s": "s", "z": "z"}
     presets = SIGN_OR_LAYER
     representative = True
 
-    def _prepare(self) -> None:
-        super()._prepare()
-        self._signals["z"] = self._state
-
-    @property
-    def _kernel(self) -> Kernel:
-        return control_law
-
-
-@kernel
-def control_law(
-    dt: float,
-    joints: Array,
-    M0: Array,
-    h0: Array,
-    gains: Array,
-    kind: int,
-    z: Array,
-    work: Array,
-) -> None:
-    """One tick of super-twisting; `z` is the integral."""
-    e, ed, a_d = joints[E], joints[ED], joints[A_D]
-    Lambda, k1, k2, phi = gains[0], gains[1], gains[2], gains[3]
-    s, a, excess = work[0], work[1], work[2]
-
-    for i in range(e.size):
-        s[i] = ed[i] + Lambda[i] * e[i]
-        a[i] = a_d[i] - Lambda[i] * ed[i] - k1[i] * sig(s[i], 0.5) - z[i]
-    inverse_dynamics(M0, h0, a, joints[LIMIT], joints[TAU], excess)
-    for i in range(e.size):
-        z[i] = integrated(z[i], k2[i] * switch(s[i], kind, phi[i]), dt, excess[i])
+    @staticmethod
+    @kernel
+    def tick(dt: float, table: Array, M0: Array, h0: Array) -> None:
+        """One tick of super-twisting."""
+        x, g, m, w = rows(table, SuperTwistingSMCGains, State, Work)
+        for i in range(x.e.size):
+            w.s[i] = x.e_dot[i] + g.Lambda[i] * x.e[i]
+            w.a[i] = x.a_d[i] - g.Lambda[i] * x.e_dot[i] - g.k1[i] * sig(w.s[i], 0.5) - m.z[i]
+        inverse_dynamics(M0, h0, w.a, x.effort_limit, x.tau, w.excess)
+        for i in range(x.e.size):
+            sign = switch(w.s[i], g.switching, g.boundary_layer[i])
+            m.z[i] = integrated(m.z[i], g.k2[i] * sign, dt, w.excess[i])

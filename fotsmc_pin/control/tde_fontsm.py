@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from fotsmc_pin.compiled import kernel
-from fotsmc_pin.control.controller import A_D, ED, LIMIT, TAU, Controller, E, V
-from fotsmc_pin.control.gains import Gains, per_joint, scalar
-from fotsmc_pin.control.saturation import clip
-from fotsmc_pin.control.switching import sig
+from fotsmc_pin.control.controller import Controller, SignalRows, Streams
+from fotsmc_pin.control.functions import clip, sig
+from fotsmc_pin.control.gains import DERIVED, Gains, per_joint, scalar
+from fotsmc_pin.control.rows import rows
 from fotsmc_pin.fractional import FractionalDerivative, FractionalIntegral
 from fotsmc_pin.fractional.advance import advance
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from fotsmc_pin.arms import Arm
-    from fotsmc_pin.compiled import Kernel
-    from fotsmc_pin.control.gains import Array
+    from fotsmc_pin.types import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -39,7 +40,7 @@ class TDEFONTSMGains(Gains):
         filter_rate: cut-off of the low-pass that the delayed torque and acceleration pass.
     """
 
-    inertia: Array | None = per_joint(None, "kg·m²", above=0.0)
+    inertia: Array = per_joint(DERIVED, "kg·m²", above=0.0)
     Lambda: Array = per_joint(5.0, "1/s", above=0.0)
     k: Array = per_joint(2.5, "rad^(1-r)/s^(1+α)", at_least=0.0)
     power: float = scalar(0.9, above=0.0, below=1.0)
@@ -49,8 +50,72 @@ class TDEFONTSMGains(Gains):
     rho: float = scalar(0.6, above=0.0, below=1.0)
     filter_rate: float = scalar(500.0, "rad/s", above=0.0)
 
+    @classmethod
+    def derive(cls, arm: Arm, dt: float, known: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the inertia with which the estimate settles."""
+        return {"inertia": settling_inertia(arm, 1.0 - math.exp(-known["filter_rate"] * dt))}
 
-class TDEFONTSM(Controller):
+
+def settling_inertia(arm: Arm, share: float) -> Array:
+    """Return the diagonal `M̄` (nv,) [kg·m²] whose estimate settles in one tick where it is fastest.
+
+    `M̄` is in proportion to `1 / diag(M0^{-1})`, the inertia that each joint shows while the others
+    are free, at the arm's neutral configuration; the largest eigenvalue of `share M0^{-1} M̄` is 1.
+    The true inertia may then fall to half of that before the estimate becomes unstable. In folded
+    poses it falls further than that on some arms (2.5 times on the Panda, 6 times on the UR5, over
+    random configurations): for work there, give an inertia of your own.
+
+    Args:
+        arm: the nominal arm.
+        share: how much of a new sample the low-pass lets in at a tick, in (0, 1].
+    """
+    inverse = np.linalg.inv(arm.mass_matrix(arm.neutral))
+    lightest: Array = 1.0 / np.diag(inverse)
+    fastest = float(np.linalg.eigvals(inverse * lightest).real.max())
+    return lightest / (share * fastest)
+
+
+class State(NamedTuple):
+    """What lives on from tick to tick.
+
+    Attributes:
+        last_v: velocity of the last tick [rad/s].
+        estimate: `τ_f - M̄ a_f` [N·m].
+        ticks: how many there were.
+    """
+
+    last_v: Array
+    estimate: Array
+    ticks: Array
+
+
+class Work(NamedTuple):
+    """What one tick fills.
+
+    Attributes:
+        s: sliding variable [rad/s].
+        terminal: `sig(e)^r`.
+        terminal_rate: `D^{1-α} sig(e)^r`.
+        terminal_integral: `D^{-α} sig(e)^r`.
+    """
+
+    s: Array
+    terminal: Array
+    terminal_rate: Array
+    terminal_integral: Array
+
+
+def integral(g: TDEFONTSMGains, dt: float) -> FractionalIntegral:
+    """Return `D^{-α}`."""
+    return FractionalIntegral(order=g.alpha, dt=dt)
+
+
+def derivative(g: TDEFONTSMGains, dt: float) -> FractionalDerivative:
+    """Return `D^{1-α}`."""
+    return FractionalDerivative(order=1.0 - g.alpha, dt=dt)
+
+
+class TDEFONTSM(Controller[TDEFONTSMGains]):
     """Model-free: what the arm did one tick ago stands for its model. Representative of [50].
 
     With the surface `s = ė + Λ e + k D^{-α} sig(e)^r`, whose derivative is free of singularities,
@@ -77,100 +142,46 @@ class TDEFONTSM(Controller):
     """
 
     Gains = TDEFONTSMGains
-    representative: ClassVar[bool] = True
+    State = State
+    Work = Work
+    streams: ClassVar[Streams] = {
+        "integral": integral,
+        "derivative": derivative,
+    }
+    signal_rows: ClassVar[SignalRows] = {"s": "s", "delay_estimate": "estimate"}
+    representative = True
+    uses_model = False
 
-    def _prepare(self) -> None:
-        n = self.arm.nv
-        if self.gains.inertia is None:
-            share = 1.0 - math.exp(-self.gains.filter_rate * self.dt)
-            self.gains = replace(self.gains, inertia=settling_inertia(self.arm, share))
-        g = self.gains
-        integral = FractionalIntegral(order=g.alpha, dt=self.dt).stream(n)
-        derivative = FractionalDerivative(order=1.0 - g.alpha, dt=self.dt).stream(n)
-        self._streams = [integral, derivative]
-        # Rows: speed of the last tick, filtered estimate, and, in its first entry, whether there
-        # was a last tick.
-        self._state = np.zeros((3, n))
-        work = np.zeros((5, n))
-        self._signals = {"s": work[0], "delay_estimate": work[1]}
-        self._arguments = (
-            self._joints,
-            self._pack(g.inertia, g.Lambda, g.k, g.power, g.K1, g.K2, g.rho, g.filter_rate),
-            integral.coefficients,
-            integral.memory,
-            derivative.coefficients,
-            derivative.memory,
-            self._state,
-            work,
-        )
-
-    def _model_terms(self) -> None:
-        """Evaluate nothing: the law has no model."""
-
-    @property
-    def _kernel(self) -> Kernel:
-        return control_law
-
-
-def settling_inertia(arm: Arm, share: float) -> Array:
-    """Return the diagonal `M̄` (nv,) [kg·m²] whose estimate settles in one tick where it is fastest.
-
-    `M̄` is in proportion to `1 / diag(M0^{-1})`, the inertia that each joint shows while the others
-    are free, at the arm's neutral configuration; the largest eigenvalue of `share M0^{-1} M̄` is 1.
-    The true inertia may then fall to half of that before the estimate becomes unstable. In folded
-    poses it falls further than that on some arms (2.5 times on the Panda, 6 times on the UR5, over
-    random configurations): for work there, give an inertia of your own.
-
-    Args:
-        arm: the nominal arm.
-        share: how much of a new sample the low-pass lets in at a tick, in (0, 1].
-    """
-    inverse = np.linalg.inv(arm.mass_matrix(arm.neutral))
-    lightest: Array = 1.0 / np.diag(inverse)
-    fastest = float(np.linalg.eigvals(inverse * lightest).real.max())
-    return lightest / (share * fastest)
-
-
-@kernel
-def control_law(
-    dt: float,
-    joints: Array,
-    gains: Array,
-    integral: Array,
-    integral_memory: Array,
-    derivative: Array,
-    derivative_memory: Array,
-    state: Array,
-    work: Array,
-) -> None:
-    """One tick of time-delay estimation; `tau` still holds the torque of the last tick."""
-    e, ed, v, a_d, tau = joints[E], joints[ED], joints[V], joints[A_D], joints[TAU]
-    inertia, Lambda, k, r, K1, K2, rho, rate = (
-        gains[0], gains[1], gains[2], gains[3], gains[4], gains[5], gains[6], gains[7],
-    )  # fmt: skip
-    last_v, estimate, started = state[0], state[1], state[2]
-    s, delay_estimate, terminal, terminal_rate, terminal_integral = (
-        work[0], work[1], work[2], work[3], work[4],
-    )  # fmt: skip
-    n = e.size
-
-    for i in range(n):
-        terminal[i] = sig(e[i], r[i])
-    advance(integral, integral_memory, terminal, dt, terminal_integral)
-    advance(derivative, derivative_memory, terminal, dt, terminal_rate)
-    for i in range(n):
-        if started[0] > 0.0:
-            fresh = tau[i] - inertia[i] * (v[i] - last_v[i]) / dt
-            estimate[i] += (1.0 - math.exp(-rate[i] * dt)) * (fresh - estimate[i])
-        delay_estimate[i] = estimate[i]
-        last_v[i] = v[i]
-        s[i] = ed[i] + Lambda[i] * e[i] + k[i] * terminal_integral[i]
-        u = (
-            a_d[i]
-            - Lambda[i] * ed[i]
-            - k[i] * terminal_rate[i]
-            - K1[i] * s[i]
-            - K2[i] * sig(s[i], rho[i])
-        )
-        tau[i] = clip(estimate[i] + inertia[i] * u, joints[LIMIT, i])
-    started[0] = 1.0
+    @staticmethod
+    @kernel
+    def tick(
+        dt: float,
+        table: Array,
+        M0: Array,
+        h0: Array,
+        integral: Array,
+        integral_memory: Array,
+        derivative: Array,
+        derivative_memory: Array,
+    ) -> None:
+        """One tick of time-delay estimation; `tau` still holds the torque of the last one."""
+        x, g, m, w = rows(table, TDEFONTSMGains, State, Work)
+        for i in range(x.e.size):
+            w.terminal[i] = sig(x.e[i], g.power)
+        advance(integral, integral_memory, w.terminal, dt, w.terminal_integral)
+        advance(derivative, derivative_memory, w.terminal, dt, w.terminal_rate)
+        for i in range(x.e.size):
+            if m.ticks[i] > 0.0:
+                fresh = x.tau[i] - g.inertia[i] * (x.v[i] - m.last_v[i]) / dt
+                m.estimate[i] += (1.0 - math.exp(-g.filter_rate * dt)) * (fresh - m.estimate[i])
+            m.last_v[i] = x.v[i]
+            m.ticks[i] += 1.0
+            w.s[i] = x.e_dot[i] + g.Lambda[i] * x.e[i] + g.k[i] * w.terminal_integral[i]
+            u = (
+                x.a_d[i]
+                - g.Lambda[i] * x.e_dot[i]
+                - g.k[i] * w.terminal_rate[i]
+                - g.K1[i] * w.s[i]
+                - g.K2[i] * sig(w.s[i], g.rho)
+            )
+            x.tau[i] = clip(m.estimate[i] + g.inertia[i] * u, x.effort_limit[i])

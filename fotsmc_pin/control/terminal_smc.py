@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 from fotsmc_pin.compiled import kernel
-from fotsmc_pin.control.acceleration_law import AccelerationLaw
-from fotsmc_pin.control.controller import A_D, ED, LIMIT, TAU, E
+from fotsmc_pin.control.controller import Controller, SignalRows
+from fotsmc_pin.control.functions import SIGN_OR_LAYER, SWITCHING, sig, switch
 from fotsmc_pin.control.gains import Gains, option, per_joint, scalar
-from fotsmc_pin.control.saturation import inverse_dynamics
-from fotsmc_pin.control.switching import SIGN_OR_LAYER, SWITCHING, sig, switch
+from fotsmc_pin.control.rows import NoRows, rows
+from fotsmc_pin.control.torque_limits import inverse_dynamics
 
 if TYPE_CHECKING:
-    from fotsmc_pin.compiled import Kernel
-    from fotsmc_pin.control.gains import Array
+    from fotsmc_pin.types import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -40,7 +39,15 @@ class TerminalSMCGains(Gains):
     boundary_layer: Array = per_joint(0.1, "rad/s", above=0.0)
 
 
-class TerminalSMC(AccelerationLaw):
+class Work(NamedTuple):
+    """Sliding variable [rad/s], commanded acceleration [rad/s²], torque cut off [N·m]."""
+
+    s: Array
+    a: Array
+    excess: Array
+
+
+class TerminalSMC(Controller[TerminalSMCGains]):
     """Sliding mode on the terminal surface `s = ė + β sig(e)^{q/p}`, `0 < q/p < 1`.
 
         a = a_d - β (q/p) |e|^{q/p-1} ∘ ė - K s - η sign(s),   τ = M0 a + C0 v + G0
@@ -54,31 +61,18 @@ class TerminalSMC(AccelerationLaw):
     """
 
     Gains = TerminalSMCGains
+    Work = Work
+    signal_rows: ClassVar[SignalRows] = {"s": "s"}
     presets = SIGN_OR_LAYER
 
-    @property
-    def _kernel(self) -> Kernel:
-        return control_law
-
-
-@kernel
-def control_law(
-    dt: float,
-    joints: Array,
-    M0: Array,
-    h0: Array,
-    gains: Array,
-    kind: int,
-    z: Array,
-    work: Array,
-) -> None:
-    """One tick of sliding mode on the terminal surface."""
-    e, ed, a_d = joints[E], joints[ED], joints[A_D]
-    beta, r, floor, K, eta, phi = gains[0], gains[1], gains[2], gains[3], gains[4], gains[5]
-    s, a, excess = work[0], work[1], work[2]
-
-    for i in range(e.size):
-        s[i] = ed[i] + beta[i] * sig(e[i], r[i])
-        slope = beta[i] * r[i] * max(abs(e[i]), floor[i]) ** (r[i] - 1.0)
-        a[i] = a_d[i] - slope * ed[i] - K[i] * s[i] - eta[i] * switch(s[i], kind, phi[i])
-    inverse_dynamics(M0, h0, a, joints[LIMIT], joints[TAU], excess)
+    @staticmethod
+    @kernel
+    def tick(dt: float, table: Array, M0: Array, h0: Array) -> None:
+        """One tick of sliding mode on the terminal surface."""
+        x, g, _, w = rows(table, TerminalSMCGains, NoRows, Work)
+        for i in range(x.e.size):
+            w.s[i] = x.e_dot[i] + g.beta[i] * sig(x.e[i], g.power)
+            slope = g.beta[i] * g.power * max(abs(x.e[i]), g.error_floor) ** (g.power - 1.0)
+            sign = switch(w.s[i], g.switching, g.boundary_layer[i])
+            w.a[i] = x.a_d[i] - slope * x.e_dot[i] - g.K[i] * w.s[i] - g.eta[i] * sign
+        inverse_dynamics(M0, h0, w.a, x.effort_limit, x.tau, w.excess)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from fotsmc_pin.checks import finite_number, finite_vector
-from fotsmc_pin.compiled import strict
+from fotsmc_pin.compiled import restricted
 from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.fractional.advance import advance_checked, advance_many
 from fotsmc_pin.fractional.layout import (
@@ -162,4 +162,4 @@ def _advance() -> Callable[[Array, Array, Array, float, Array], bool]:
     stream = Stream(np.zeros((ROWS, HEADER_COLUMNS)), 1)
     stream.coefficients.setflags(write=False)
     row = np.zeros(1)
-    return strict(advance_checked, stream.coefficients, stream.memory, row, 1.0, row)
+    return restricted(advance_checked, stream.coefficients, stream.memory, row, 1.0, row)

@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from fotsmc_pin import checks
-from fotsmc_pin.compiled import kernel, settled
+from fotsmc_pin.compiled import kernel, specialized
 from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.simulation.dry_friction import rub
 
@@ -110,11 +110,11 @@ class Plant:
         work[WIDTH] = np.maximum(FRICTION_WIDTH, arm.friction * h / lightest)
         work[LIMIT] = arm.effort_limit
         a = self._acceleration
-        self._begin = settled(begin, work)
-        self._rk4_stage = settled(rk4_stage, 0, h, a, work)
-        self._rk4_finish = settled(rk4_finish, h, a, work)
-        self._accelerate = settled(accelerate, h, a, work)
-        self._coast = settled(coast, h, work)
+        self._begin = specialized(begin, work)
+        self._rk4_stage = specialized(rk4_stage, 0, h, a, work)
+        self._rk4_finish = specialized(rk4_finish, h, a, work)
+        self._accelerate = specialized(accelerate, h, a, work)
+        self._coast = specialized(coast, h, work)
 
     def load(self, t: float, tau: Array) -> None:
         """Put `tau` (nv,), as far as the effort limits let it, on the joints at time `t`."""

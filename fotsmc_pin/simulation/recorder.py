@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pinocchio as pin
 
-from fotsmc_pin.compiled import kernel, settled
+from fotsmc_pin.compiled import kernel, specialized
 from fotsmc_pin.simulation.recording import Recording
 
 if TYPE_CHECKING:
@@ -24,8 +24,8 @@ class Recorder:
     """Rows of state, torque and the controller's signals, and the reference beside them.
 
     A row is copied in one call from the arrays in which the plant and the controller keep these
-    numbers: a controller's `live_signals`, where it has them. Otherwise its `signals` are asked
-    for at each row, which may cost a copy each.
+    numbers: a controller's `live_signals`, where they are vectors in one piece. Others are copied
+    one by one, and where a controller has no such arrays its `signals` are asked for at each row.
     """
 
     def __init__(
@@ -37,7 +37,7 @@ class Recorder:
         size = len(self._t)
         self._q_d, self._v_d = np.zeros((size, arm.nq)), np.zeros((size, arm.nv))
         shown = getattr(controller, "signals", {})
-        live = getattr(controller, "live_signals", {})
+        self._live_signals = live = getattr(controller, "live_signals", {})
         self._names = tuple(name for name in shown if is_flat(live.get(name)))
         self._asked = {
             name: np.zeros((size, np.size(value)))
@@ -47,7 +47,7 @@ class Recorder:
         self._widths = [arm.nq, arm.nv, arm.nv, *(live[name].size for name in self._names)]
         self._live = (*plant.live, *(live[name] for name in self._names))
         self._table = np.zeros((size, sum(self._widths)))
-        self._note = settled(note, self._table, 0, self._live)
+        self._note = specialized(note, self._table, 0, self._live)
 
     def expect(self, tick: int, q_d: Array, v_d: Array) -> None:
         """Write the reference of the ticks from `tick` on, a row each."""
@@ -61,7 +61,7 @@ class Recorder:
         k = self._filled
         self._note(self._table, k, self._live)
         if self._asked:
-            signals: dict[str, Array] = self._controller.signals  # type: ignore[attr-defined]
+            signals = self._live_signals or self._controller.signals  # type: ignore[attr-defined]
             for name, rows in self._asked.items():
                 rows[k] = signals[name]
         self._filled = k + 1

@@ -108,7 +108,7 @@ def scenario(arm: Arm, *, payload: float | None = None, seed: int = 0) -> Scenar
     Warns:
         GravityWarning: gravity asks the arm for more than its effort limits.
     """
-    warn_of_gravity(arm, stacklevel=2)
+    warn_of_gravity(arm)
     reference = Sinusoid.inside_limits(arm)
     friction = (FRICTION * np.minimum(1.0, arm.effort_limit / FULL_EFFORT)).tolist()
     mass = stress_payload(arm) if payload is None else payload

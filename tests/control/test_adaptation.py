@@ -5,7 +5,6 @@ import pytest
 
 from fotsmc_pin.arms import perturb
 from fotsmc_pin.control import AdaptiveFONFTSM
-from fotsmc_pin.control.controller import LIMIT
 from fotsmc_pin.references import Sinusoid
 from fotsmc_pin.simulation import simulate
 
@@ -34,7 +33,7 @@ def adaptive(arm, make):
 
     def with_gains(**gains):
         controller = make(AdaptiveFONFTSM, arm, "paper", **gains)
-        controller._joints[LIMIT] = np.inf
+        controller.joints.effort_limit[:] = np.inf
         return controller
 
     return with_gains
@@ -96,7 +95,7 @@ def test_projection_and_leakage_hold_the_estimates(adaptive, arm, wander, adapta
 
 def test_estimates_rest_while_a_torque_is_clipped(arm, make, wander):
     controller = make(AdaptiveFONFTSM, arm, "paper")
-    controller._joints[LIMIT] = 1e-3
+    controller.joints.effort_limit[:] = 1e-3
     b, S = estimates(controller, wander(arm, 100))
     assert np.linalg.norm(S, axis=1).max() > 0.1
     np.testing.assert_array_equal(b, np.tile(START, (100, 1)))

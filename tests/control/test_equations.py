@@ -15,7 +15,6 @@ from fotsmc_pin.control import (
     SuperTwistingSMC,
     TerminalSMC,
 )
-from fotsmc_pin.control.controller import LIMIT
 from fotsmc_pin.fractional import FractionalDerivative, FractionalIntegral
 
 DT = 1e-3
@@ -185,7 +184,7 @@ LAWS = [
 )
 def test_a_run_of_ticks_follows_the_equations(law, preset, written, arm, make, wander):
     controller = make(law, arm, preset)
-    controller._joints[LIMIT] = np.inf
+    controller.joints.effort_limit[:] = np.inf
     expected = written(controller.gains, arm.nv)
     scale = 1.0
     for row in wander(arm, TICKS):

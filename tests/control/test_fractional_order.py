@@ -13,7 +13,6 @@ from fotsmc_pin.control import (
     FractionalSwitchingSMC,
     LinearSMC,
 )
-from fotsmc_pin.control.controller import LIMIT
 from fotsmc_pin.references import Hold
 from fotsmc_pin.simulation import simulate
 
@@ -57,7 +56,7 @@ def test_fractional_switching_of_order_zero_is_linear_sliding_mode(arm, make, wa
 def test_fonftsm_of_order_zero_is_a_terminal_law_around_inverse_dynamics(arm, make, wander):
     g = {"A": 7.0, "lam": 1.5, "power": 1.2, "theta": 4.0, "mu": 0.8, "B0": 2.0, "B1": 0.5}
     controller = make(FONFTSM, arm, alpha=0.0, inertia="outside", **g)
-    controller._joints[LIMIT] = np.inf
+    controller.joints.effort_limit[:] = np.inf
     for q, v, q_d, v_d, a_d in wander(arm, 50):
         e, ed = arm.difference(q_d, q), v - v_d
         S = ed + 7.0 * e + 1.5 * np.abs(e) ** 1.2 * np.sign(e)
@@ -74,7 +73,7 @@ def test_a_measured_period_counts(case, arms, make, wander):
     law, preset = case
     arm = arms["two_link"]
     nominal, told = make(law, arm, preset), make(law, arm, preset)
-    remembers = bool(nominal._streams) or nominal.preset == "pid" or law.__name__ in REMEMBERING
+    remembers = bool(nominal.memories) or nominal.preset == "pid" or law.__name__ in REMEMBERING
     apart = 0.0
     for row in wander(arm, 30):
         apart = max(apart, np.abs(nominal.update(*row) - told.update(*row, dt=1.7e-3)).max())

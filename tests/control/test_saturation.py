@@ -12,7 +12,7 @@ from fotsmc_pin.control import (
     LinearSMC,
     SuperTwistingSMC,
 )
-from fotsmc_pin.control.saturation import integrated, unwound
+from fotsmc_pin.control.torque_limits import integrated, unwound
 from fotsmc_pin.references import Hold
 from fotsmc_pin.simulation import simulate
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fotsmc_pin.control.switching import SWITCHING, sig, switch
+from fotsmc_pin.control.functions import SWITCHING, sig, switch
 
 PHI = 0.2
 

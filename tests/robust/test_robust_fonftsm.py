@@ -90,7 +90,7 @@ class TestInertiaFloor:
         arm = fp.load_arm("two_link")
         law, q, rest = RobustFONFTSM(arm, DT), arm.neutral, np.zeros(2)
         law.update(q, rest, q, rest, rest)
-        law._state[6] = 0.5
+        law.state.delta[:] = 0.5
         floors = []
         for _ in range(3000):
             law.update(q, rest, q, rest, rest)

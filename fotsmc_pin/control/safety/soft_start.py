@@ -10,7 +10,7 @@ from fotsmc_pin import checks
 
 if TYPE_CHECKING:
     from fotsmc_pin.arms import Arm
-    from fotsmc_pin.control.gains import Array
+    from fotsmc_pin.types import Array
 
 
 class SoftStart:

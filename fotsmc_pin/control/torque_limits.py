@@ -5,15 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from fotsmc_pin.compiled import kernel
+from fotsmc_pin.control.functions import clip
 
 if TYPE_CHECKING:
-    from fotsmc_pin.control.gains import Array
-
-
-@kernel
-def clip(x: float, limit: float) -> float:
-    """`x` within ±`limit`."""
-    return min(max(x, -limit), limit)
+    from fotsmc_pin.types import Array
 
 
 @kernel

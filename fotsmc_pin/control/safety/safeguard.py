@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fotsmc_pin import checks
-from fotsmc_pin.control.soft_start import SoftStart
+from fotsmc_pin.control.safety.soft_start import SoftStart
 from fotsmc_pin.errors import MeasurementError
 
 if TYPE_CHECKING:
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from fotsmc_pin.control.controller import Controller
     from fotsmc_pin.control.friction_compensation import FrictionCompensation
-    from fotsmc_pin.control.gains import Array
+    from fotsmc_pin.types import Array
 
 SETTLING = 10.0
 """Damping of the safe stop over the joint's inertia: speed dies in a tenth of a second [1/s]."""

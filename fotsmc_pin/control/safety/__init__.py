@@ -1,0 +1,6 @@
+"""What stands between any controller and real drives."""
+
+from fotsmc_pin.control.safety.safeguard import Safeguard
+from fotsmc_pin.control.safety.soft_start import SoftStart
+
+__all__ = ["Safeguard", "SoftStart"]
