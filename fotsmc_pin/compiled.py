@@ -9,17 +9,23 @@ from __future__ import annotations
 
 import hashlib
 import sys
+import warnings
 from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar, overload
 
 import numba
+from numba.core.caching import NullCache
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     Kernel: TypeAlias = Callable[..., Any]
     Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+class CacheWarning(UserWarning):
+    """Machine code cannot be kept on disk with the Numba that is installed."""
 
 
 @overload
@@ -52,7 +58,14 @@ def kernel(function: Any = None, *, rounds_freely: bool = False, is_part: bool =
         compiled = numba.njit(cache=_importable(function), **options)(function)
     except RuntimeError:  # Numba found no folder that it may write to.
         compiled = numba.njit(**options)(function)
-    _follow_every_source(compiled)
+    if not _follows_every_source(compiled):
+        warnings.warn(
+            f"Numba {numba.__version__} keeps its cache in a way that is not known here: kernels "
+            "are compiled anew in each process; install a Numba that constraints.txt names",
+            CacheWarning,
+            stacklevel=2,
+        )
+        compiled = numba.njit(**options)(function)
     return compiled
 
 
@@ -90,25 +103,32 @@ def _importable(function: Any) -> bool:
     return name in sys.modules and all(part.isidentifier() for part in name.split("."))
 
 
-def _follow_every_source(dispatcher: Any) -> None:
+def _follows_every_source(dispatcher: Any) -> bool:
     """Let a change in any kernel of the package outdate the cached machine code.
 
     Numba watches only the file in which a kernel stands, not those of the kernels that it calls,
     and would go on running the old ones. Nor does it see that a file runs under another name, as
-    a script and as a module.
+    a script and as a module. Returns False where a cache could not be told so.
     """
-    cache_file: Any = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
-    if hasattr(cache_file, "_source_stamp"):
-        module = dispatcher.py_func.__module__
-        cache_file._source_stamp = (cache_file._source_stamp, _kernel_sources(), module)
+    if not hasattr(dispatcher, "py_func"):  # compilation is switched off
+        return True
+    cache: Any = getattr(dispatcher, "_cache", None)
+    if isinstance(cache, NullCache):
+        return True
+    cache_file: Any = getattr(cache, "_cache_file", None)
+    if not hasattr(cache_file, "_source_stamp"):
+        return False
+    module = dispatcher.py_func.__module__
+    cache_file._source_stamp = (cache_file._source_stamp, _kernel_sources(), module)
+    return True
 
 
 @cache
 def _kernel_sources() -> str:
-    """Digest of every file of the package that holds a kernel."""
+    """Digest of every file of the package that holds a kernel, or the names of its rows."""
     digest = hashlib.sha256()
     for path in sorted(Path(__file__).parent.rglob("*.py")):
         text = path.read_bytes()
-        if b"@kernel" in text:
+        if any(mark in text for mark in (b"@kernel", b"NamedTuple", b"(Gains)")):
             digest.update(text)
     return digest.hexdigest()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 
 from fotsmc_pin.compiled import kernel
 from fotsmc_pin.control.adaptation import ADAPTATION, RATES, Estimates, adapt
@@ -24,7 +24,9 @@ from fotsmc_pin.fractional.advance import advance
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from fotsmc_pin.arms import Arm
     from fotsmc_pin.control.controller import SignalRows
+    from fotsmc_pin.control.gain_keywords import AdaptiveFONFTSMKeywords
     from fotsmc_pin.types import Array
 
 
@@ -90,6 +92,17 @@ class AdaptiveFONFTSM(FractionalSurfaceLaw[AdaptiveFONFTSMGains]):
             "largest_bound": 30.0,
         },
     }
+
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            arm: Arm,
+            dt: float,
+            *,
+            preset: str | None = None,
+            **gains: Unpack[AdaptiveFONFTSMKeywords],
+        ) -> None: ...
 
     def start(self) -> None:
         """Let the estimates begin where the gains say."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Unpack
 
 from fotsmc_pin.compiled import kernel
 from fotsmc_pin.control.controller import Controller, SignalRows
@@ -14,6 +14,8 @@ from fotsmc_pin.control.torque_limits import integrated, inverse_dynamics
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from fotsmc_pin.arms import Arm
+    from fotsmc_pin.control.gain_keywords import ComputedTorqueKeywords
     from fotsmc_pin.types import Array
 
 
@@ -63,6 +65,17 @@ class ComputedTorque(Controller[ComputedTorqueGains]):
         "pd": {},
         "pid": {"kp": 300.0, "kd": 30.0, "ki": 1000.0},
     }
+
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            arm: Arm,
+            dt: float,
+            *,
+            preset: str | None = None,
+            **gains: Unpack[ComputedTorqueKeywords],
+        ) -> None: ...
 
     @staticmethod
     @kernel

@@ -10,6 +10,7 @@ import numpy as np
 from fotsmc_pin import checks
 from fotsmc_pin.compiled import kernel
 from fotsmc_pin.control.functions import sig
+from fotsmc_pin.copying import SharesNothing
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from fotsmc_pin.types import Array
 
 
-class FilteredDifferentiator:
+class FilteredDifferentiator(SharesNothing):
     """Backward differences through a first-order low-pass.
 
     Args:
@@ -64,7 +65,7 @@ class FilteredDifferentiator:
         return self._v.copy()
 
 
-class ExactDifferentiator:
+class ExactDifferentiator(SharesNothing):
     """The robust exact differentiator of second order, which needs no corner frequency.
 
     It follows any position whose jerk stays below `jerk` without lag, up to an error in velocity of

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 
 from fotsmc_pin.compiled import kernel
 from fotsmc_pin.control.fractional_surface import (
@@ -23,6 +23,8 @@ from fotsmc_pin.fractional.advance import advance
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from fotsmc_pin.arms import Arm
+    from fotsmc_pin.control.gain_keywords import FONFTSMKeywords
     from fotsmc_pin.types import Array
 
 
@@ -58,6 +60,17 @@ class FONFTSM(FractionalSurfaceLaw[FONFTSMGains]):
 
     Gains = FONFTSMGains
     presets: ClassVar[Mapping[str, Mapping[str, Any]]] = {"paper": {}, "practical": PRACTICAL}
+
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            arm: Arm,
+            dt: float,
+            *,
+            preset: str | None = None,
+            **gains: Unpack[FONFTSMKeywords],
+        ) -> None: ...
 
     @staticmethod
     @kernel

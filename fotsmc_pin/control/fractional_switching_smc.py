@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, ClassVar, NamedTuple, Unpack
 
 from fotsmc_pin.compiled import kernel
 from fotsmc_pin.control.controller import Controller, SignalRows, Streams
@@ -15,6 +15,8 @@ from fotsmc_pin.fractional import FractionalIntegral
 from fotsmc_pin.fractional.advance import commit, predict
 
 if TYPE_CHECKING:
+    from fotsmc_pin.arms import Arm
+    from fotsmc_pin.control.gain_keywords import FractionalSwitchingSMCKeywords
     from fotsmc_pin.types import Array
 
 
@@ -79,6 +81,17 @@ class FractionalSwitchingSMC(Controller[FractionalSwitchingSMCGains]):
     signal_rows: ClassVar[SignalRows] = {"s": "s", "switched": "switched"}
     presets = SIGN_OR_LAYER
     representative = True
+
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            arm: Arm,
+            dt: float,
+            *,
+            preset: str | None = None,
+            **gains: Unpack[FractionalSwitchingSMCKeywords],
+        ) -> None: ...
 
     @staticmethod
     @kernel

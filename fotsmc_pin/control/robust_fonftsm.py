@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Unpack
 
 import numpy as np
 
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from fotsmc_pin.arms import Arm
+    from fotsmc_pin.control.gain_keywords import RobustFONFTSMKeywords
     from fotsmc_pin.types import Array
 
 LONGEST_TICK_AT_FULL_SPEED = 1.5e-3
@@ -189,6 +190,17 @@ class RobustFONFTSM(Controller[RobustFONFTSMGains]):
         "disturbance": "d",
         "inertia_floor": "delta",
     }
+
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            arm: Arm,
+            dt: float,
+            *,
+            preset: str | None = None,
+            **gains: Unpack[RobustFONFTSMKeywords],
+        ) -> None: ...
 
     def review(self) -> None:
         """Warn of an arm that cannot hold itself up."""

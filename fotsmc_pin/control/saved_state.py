@@ -55,6 +55,30 @@ def restore(
         stream.from_arrays(twins[name].to_arrays())
 
 
+def present(arrays: Mapping[str, Any], name: str) -> Any:
+    """Return one of the arrays.
+
+    Raises:
+        ArgumentError: it is not there.
+    """
+    if name not in arrays:
+        raise ArgumentError("arrays", sorted(arrays), f"give {name} too, as save_state does")
+    return arrays[name]
+
+
+def with_prefix(prefix: str, arrays: Mapping[str, Array]) -> dict[str, Array]:
+    """Return the arrays of a part under names that tell whose they are."""
+    return {f"{prefix}.{name}": array for name, array in arrays.items()}
+
+
+def part(arrays: Mapping[str, Any], prefix: str) -> dict[str, Any]:
+    """Return the arrays of a part, by the names that it gave them."""
+    start = f"{prefix}."
+    return {
+        name.removeprefix(start): array for name, array in arrays.items() if name.startswith(start)
+    }
+
+
 def _rows(groups: Mapping[str, Any]) -> dict[str, Array]:
     return {
         f"{group}.{name}": row

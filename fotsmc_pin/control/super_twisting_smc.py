@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, ClassVar, NamedTuple, Unpack
 
 from fotsmc_pin.compiled import kernel
 from fotsmc_pin.control.controller import Controller, SignalRows
@@ -13,6 +13,8 @@ from fotsmc_pin.control.rows import rows
 from fotsmc_pin.control.torque_limits import integrated, inverse_dynamics
 
 if TYPE_CHECKING:
+    from fotsmc_pin.arms import Arm
+    from fotsmc_pin.control.gain_keywords import SuperTwistingSMCKeywords
     from fotsmc_pin.types import Array
 
 
@@ -65,6 +67,17 @@ class SuperTwistingSMC(Controller[SuperTwistingSMCGains]):
     signal_rows: ClassVar[SignalRows] = {"s": "s", "z": "z"}
     presets = SIGN_OR_LAYER
     representative = True
+
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            arm: Arm,
+            dt: float,
+            *,
+            preset: str | None = None,
+            **gains: Unpack[SuperTwistingSMCKeywords],
+        ) -> None: ...
 
     @staticmethod
     @kernel

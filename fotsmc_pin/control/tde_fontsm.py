@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Unpack
 
 import numpy as np
 
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from fotsmc_pin.arms import Arm
+    from fotsmc_pin.control.gain_keywords import TDEFONTSMKeywords
     from fotsmc_pin.types import Array
 
 
@@ -151,6 +152,17 @@ class TDEFONTSM(Controller[TDEFONTSMGains]):
     signal_rows: ClassVar[SignalRows] = {"s": "s", "delay_estimate": "estimate"}
     representative = True
     uses_model = False
+
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            arm: Arm,
+            dt: float,
+            *,
+            preset: str | None = None,
+            **gains: Unpack[TDEFONTSMKeywords],
+        ) -> None: ...
 
     @staticmethod
     @kernel

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, ClassVar, NamedTuple, Unpack
 
 from fotsmc_pin.compiled import kernel
 from fotsmc_pin.control.controller import Controller, SignalRows
@@ -13,6 +13,8 @@ from fotsmc_pin.control.rows import NoRows, rows
 from fotsmc_pin.control.torque_limits import inverse_dynamics
 
 if TYPE_CHECKING:
+    from fotsmc_pin.arms import Arm
+    from fotsmc_pin.control.gain_keywords import TerminalSMCKeywords
     from fotsmc_pin.types import Array
 
 
@@ -64,6 +66,17 @@ class TerminalSMC(Controller[TerminalSMCGains]):
     Work = Work
     signal_rows: ClassVar[SignalRows] = {"s": "s"}
     presets = SIGN_OR_LAYER
+
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            arm: Arm,
+            dt: float,
+            *,
+            preset: str | None = None,
+            **gains: Unpack[TerminalSMCKeywords],
+        ) -> None: ...
 
     @staticmethod
     @kernel

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -124,6 +124,16 @@ class Stream:
         twin.memory[:] = self.memory
         return twin
 
+    def __copy__(self) -> Stream:
+        return self.copy()
+
+    def __deepcopy__(self, memo: Any) -> Stream:
+        return self.copy()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Travel as arrays; the coefficients come along, and stay read-only."""
+        return _revived, (self.to_arrays(),)
+
     def to_arrays(self) -> dict[str, Array]:
         """Return the state as plain arrays, to be kept in any file."""
         return {"coefficients": self.coefficients.copy(), "memory": self.memory.copy()}
@@ -154,6 +164,15 @@ class Stream:
         coefficients.setflags(write=False)
         self.coefficients = coefficients
         self.memory[:] = memory
+
+
+def _revived(arrays: Mapping[str, Array]) -> Stream:
+    """Return the stream that these arrays were taken from."""
+    coefficients = arrays["coefficients"]
+    coefficients.setflags(write=False)
+    stream = Stream(coefficients, len(arrays["memory"]))
+    stream.memory[:] = arrays["memory"]
+    return stream
 
 
 @cache

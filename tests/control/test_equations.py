@@ -12,6 +12,7 @@ from fotsmc_pin.control import (
     FractionalSwitchingSMC,
     LinearSMC,
     NonsingularTSM,
+    RobustFONFTSM,
     SuperTwistingSMC,
     TerminalSMC,
 )
@@ -25,12 +26,24 @@ def sig(x, power):
     return np.abs(x) ** power * np.sign(x)
 
 
+def switched(g, s):
+    """The switching function that the gains name."""
+    x = s / g.boundary_layer
+    layer = np.abs(x) < 1.0
+    return {
+        "sign": np.sign(s),
+        "saturation": np.where(layer, x, np.sign(s)),
+        "tanh": np.tanh(x),
+        "power": np.where(layer, sig(x, 0.5), np.sign(s)),
+    }[g.switching]
+
+
 class Tick:
     """One tick's terms, as the paper writes them."""
 
     def __init__(self, arm, row):
         self.q, self.v, q_d, v_d, self.a_d = row
-        self.e, self.ed = arm.difference(q_d, self.q), self.v - v_d
+        self.e, self.e_dot = arm.difference(q_d, self.q), self.v - v_d
         self.M0 = arm.mass_matrix(self.q)
         self.h0 = arm.coriolis(self.q, self.v) @ self.v + arm.gravity(self.q)
 
@@ -57,11 +70,10 @@ def fonftsm(g, n):
     start = B.copy()
 
     def law(x):
-        S = derivative.update(x.ed) + g.A * x.e + g.lam * sig(x.e, g.power)
+        S = derivative.update(x.e_dot) + g.A * x.e + g.lam * sig(x.e, g.power)
         slope = g.power * np.maximum(np.abs(x.e), g.error_floor) ** (g.power - 1.0)
-        inner = g.theta * (S + sig(S, g.mu)) + g.A * x.ed + g.lam * slope * x.ed
-        sign = np.sign(S) if g.switching == "sign" else np.tanh(S / g.boundary_layer)
-        switching = (B[0] + B[1] * np.linalg.norm(x.v)) * sign
+        inner = g.theta * (S + sig(S, g.mu)) + g.A * x.e_dot + g.lam * slope * x.e_dot
+        switching = (B[0] + B[1] * np.linalg.norm(x.v)) * switched(g, S)
         if inside:
             tau = x.inverse_dynamics(x.a_d) - integral.update(x.M0 @ inner + switching)
         else:
@@ -76,35 +88,35 @@ def fonftsm(g, n):
 
 def continuous_tsm(g, n):
     def law(x):
-        s = x.e + g.beta * sig(x.ed, g.gamma)
+        s = x.e + g.beta * sig(x.e_dot, g.gamma)
         reach = g.K1 * s + g.K2 * sig(s, g.rho)
-        return x.inverse_dynamics(x.a_d - sig(x.ed, 2.0 - g.gamma) / (g.beta * g.gamma) - reach)
+        return x.inverse_dynamics(x.a_d - sig(x.e_dot, 2.0 - g.gamma) / (g.beta * g.gamma) - reach)
 
     return law
 
 
 def nonsingular_tsm(g, n):
     def law(x):
-        s = x.e + g.beta * sig(x.ed, g.gamma)
-        reach = g.K * s + g.eta * np.sign(s)
-        return x.inverse_dynamics(x.a_d - sig(x.ed, 2.0 - g.gamma) / (g.beta * g.gamma) - reach)
+        s = x.e + g.beta * sig(x.e_dot, g.gamma)
+        reach = g.K * s + g.eta * switched(g, s)
+        return x.inverse_dynamics(x.a_d - sig(x.e_dot, 2.0 - g.gamma) / (g.beta * g.gamma) - reach)
 
     return law
 
 
 def terminal_smc(g, n):
     def law(x):
-        s = x.ed + g.beta * sig(x.e, g.power)
+        s = x.e_dot + g.beta * sig(x.e, g.power)
         slope = g.beta * g.power * np.maximum(np.abs(x.e), g.error_floor) ** (g.power - 1.0)
-        return x.inverse_dynamics(x.a_d - slope * x.ed - g.K * s - g.eta * np.sign(s))
+        return x.inverse_dynamics(x.a_d - slope * x.e_dot - g.K * s - g.eta * switched(g, s))
 
     return law
 
 
 def linear_smc(g, n):
     def law(x):
-        s = x.ed + g.Lambda * x.e
-        return x.inverse_dynamics(x.a_d - g.Lambda * x.ed - g.K * s - g.eta * np.sign(s))
+        s = x.e_dot + g.Lambda * x.e
+        return x.inverse_dynamics(x.a_d - g.Lambda * x.e_dot - g.K * s - g.eta * switched(g, s))
 
     return law
 
@@ -113,9 +125,9 @@ def super_twisting_smc(g, n):
     z = np.zeros(n)
 
     def law(x):
-        s = x.ed + g.Lambda * x.e
-        tau = x.inverse_dynamics(x.a_d - g.Lambda * x.ed - g.k1 * sig(s, 0.5) - z)
-        z[:] += DT * g.k2 * np.sign(s)
+        s = x.e_dot + g.Lambda * x.e
+        tau = x.inverse_dynamics(x.a_d - g.Lambda * x.e_dot - g.k1 * sig(s, 0.5) - z)
+        z[:] += DT * g.k2 * switched(g, s)
         return tau
 
     return law
@@ -125,7 +137,7 @@ def computed_torque(g, n):
     z = np.zeros(n)
 
     def law(x):
-        tau = x.inverse_dynamics(x.a_d - g.kd * x.ed - g.kp * x.e - z)
+        tau = x.inverse_dynamics(x.a_d - g.kd * x.e_dot - g.kp * x.e - z)
         z[:] += DT * g.ki * x.e
         return tau
 
@@ -136,9 +148,9 @@ def fractional_switching_smc(g, n):
     _, integral = operators(n, g.alpha, g.tempering)
 
     def law(x):
-        s = x.ed + g.Lambda * x.e
-        switched = integral.update(np.sign(s))
-        return x.inverse_dynamics(x.a_d - g.Lambda * x.ed - g.K * s - g.eta * switched)
+        s = x.e_dot + g.Lambda * x.e
+        fractional = integral.update(switched(g, s))
+        return x.inverse_dynamics(x.a_d - g.Lambda * x.e_dot - g.K * s - g.eta * fractional)
 
     return law
 
@@ -150,11 +162,11 @@ def tde_fontsm(g, n):
 
     def law(x):
         terminal = sig(x.e, g.power)
-        s = x.ed + g.Lambda * x.e + g.k * integral.update(terminal)
+        s = x.e_dot + g.Lambda * x.e + g.k * integral.update(terminal)
         if last:
             fresh = last["tau"] - g.inertia * (x.v - last["v"]) / DT
             estimate[:] += (1.0 - np.exp(-g.filter_rate * DT)) * (fresh - estimate)
-        u = x.a_d - g.Lambda * x.ed - g.k * derivative.update(terminal)
+        u = x.a_d - g.Lambda * x.e_dot - g.k * derivative.update(terminal)
         u -= g.K1 * s + g.K2 * sig(s, g.rho)
         tau = estimate + g.inertia * u
         last.update(tau=tau, v=x.v)
@@ -163,18 +175,58 @@ def tde_fontsm(g, n):
     return law
 
 
+def robust_fonftsm(g, n):
+    derivative, integral = operators(n, g.alpha, g.tempering)
+    z, e_dot_a, y, d, mean_d, delta = (np.zeros(n) for _ in range(6))
+    last = {}
+
+    def law(x):
+        diagonal = np.diag(x.M0)
+        if last:  # the observer, and the floor that follows it
+            missing = x.M0 @ (x.v - last["v"]) / DT + x.h0 - last["tau"]
+            d[:] += 15.0 * DT / (1.0 + 15.0 * DT) * (missing - d)
+            far = (x.e / 0.02) ** 2
+            mean_d[:] += DT * (1.0 + 15.0 * far / (1.0 + far)) * (d - mean_d)
+            met = np.maximum(np.abs(d - mean_d) - 0.05 * diagonal, 0.0)
+            target = np.minimum(g.floor_share * met, g.floor_limit)
+            rate = np.where(target > delta, 3.0 / (1.0 + far), 0.15)
+            delta[:] += DT * rate * (target - delta)
+        else:
+            e_dot_a[:] = x.e_dot
+        bend = 1.0 / np.sqrt(1.0 + (x.e / g.reach) ** 2)
+        S = derivative.update(x.e_dot) + g.A * bend * x.e + g.lam * sig(x.e, g.power)
+        slope = g.lam * g.power * np.abs(x.e) ** (g.power - 1.0)
+        w = g.theta * (S + sig(S, g.mu)) + (g.A * bend**3 + slope) * x.e_dot + z
+        a = x.a_d - integral.update(w)
+        u = a + g.observer * (e_dot_a - x.e_dot)
+        y[:] = (y + g.floor_rate * DT * u) / (1.0 + g.floor_rate * DT)
+        tau = x.inverse_dynamics(u) + delta * y
+        z[:] += DT * g.integral * (S / g.boundary_layer) / (1.0 + (S / g.boundary_layer) ** 2)
+        e_dot_a[:] += DT * (a - x.a_d)
+        last.update(v=x.v, tau=tau)
+        return tau
+
+    return law
+
+
 LAWS = [
+    (RobustFONFTSM, "default", robust_fonftsm),
     (FONFTSM, "paper", fonftsm),
     (FONFTSM, "practical", fonftsm),
     (AdaptiveFONFTSM, "paper", fonftsm),
     (AdaptiveFONFTSM, "practical", fonftsm),
     (ContinuousTSM, "default", continuous_tsm),
     (NonsingularTSM, "sign", nonsingular_tsm),
+    (NonsingularTSM, "boundary_layer", nonsingular_tsm),
     (TerminalSMC, "sign", terminal_smc),
+    (TerminalSMC, "boundary_layer", terminal_smc),
     (LinearSMC, "sign", linear_smc),
+    (LinearSMC, "boundary_layer", linear_smc),
     (SuperTwistingSMC, "sign", super_twisting_smc),
+    (SuperTwistingSMC, "boundary_layer", super_twisting_smc),
     (ComputedTorque, "pid", computed_torque),
     (FractionalSwitchingSMC, "sign", fractional_switching_smc),
+    (FractionalSwitchingSMC, "boundary_layer", fractional_switching_smc),
     (TDEFONTSM, "default", tde_fontsm),
 ]
 

@@ -1,28 +1,18 @@
 """Gains as data: every one is described, checked, and shown; so is every signal."""
 
-import re
 from dataclasses import fields
 
 import numpy as np
 import pytest
 
 from fotsmc_pin.arms import load_arm
-from fotsmc_pin.control import CONTROLLERS, FONFTSM, AdaptiveFONFTSM, LinearSMC
-from fotsmc_pin.control.gains import Gains
+from fotsmc_pin.control import CONTROLLERS, FONFTSM, AdaptiveFONFTSM, LinearSMC, RobustFONFTSM
 from fotsmc_pin.errors import ArgumentError
+from tests.control import gain_keywords
 
 LAWS = list(CONTROLLERS.values())
+QUIET = {FONFTSM: {"power": 1.1}, AdaptiveFONFTSM: {"power": 1.1}}
 EVERY_LAW = pytest.mark.parametrize("law", LAWS, ids=lambda law: law.__name__)
-
-
-@EVERY_LAW
-def test_every_gain_is_described_and_nothing_else_is(law):
-    described = set()
-    for cls in law.Gains.__mro__:
-        if issubclass(cls, Gains) and cls is not Gains:
-            _, _, attributes = (cls.__doc__ or "").partition("Attributes:")
-            described |= set(re.findall(r"^ {8}(\w+): \S", attributes, flags=re.MULTILINE))
-    assert described == {field.name for field in fields(law.Gains)}
 
 
 @EVERY_LAW
@@ -106,3 +96,39 @@ def test_gains_in_force_make_the_same_controller_again(case, arms, make, wander)
     second = make(law, arm, **first.gains.as_dict())
     for row in wander(arm, 10):
         np.testing.assert_array_equal(first.update(*row), second.update(*row))
+
+
+@EVERY_LAW
+def test_gains_made_directly_are_checked(law, arms):
+    """Every number refuses what is not finite, every word what is not among its choices."""
+    good = law(arms["two_link"], 1e-3, **QUIET.get(law, {})).gains
+    values = {field.name: getattr(good, field.name) for field in fields(good)}
+    assert type(good)(**values).as_dict() == good.as_dict()
+    for field in fields(good):
+        bad = "nonsense" if field.metadata["kind"] in ("option", "flag") else np.nan
+        with pytest.raises(ArgumentError) as caught:
+            type(good)(**values | {field.name: bad})
+        assert caught.value.argument == field.name
+
+
+def test_a_gain_that_the_controller_derives_is_asked_for():
+    with pytest.raises(ArgumentError, match="a controller derives it"):
+        RobustFONFTSM.Gains()
+
+
+def test_a_gain_per_joint_is_an_array_also_when_it_is_made_directly():
+    gains = LinearSMC.Gains(K=[1.0, 2.0, 3.0])
+    assert gains.K.tolist() == [1.0, 2.0, 3.0]
+    assert gains.eta.tolist() == [5.0]
+
+
+def test_a_limit_may_be_infinite_and_a_rate_may_not(two_link):
+    law = RobustFONFTSM(two_link, 1e-3, floor_limit=np.inf)
+    assert np.isinf(law.gains.floor_limit).all()
+    with pytest.raises(ArgumentError, match="theta"):
+        RobustFONFTSM(two_link, 1e-3, theta=np.inf)
+
+
+def test_the_keywords_that_editors_see_are_the_gains():
+    """To mend it: python -m tests.control.gain_keywords."""
+    assert gain_keywords.FILE.read_text("utf-8") == gain_keywords.written()

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import copy
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fotsmc_pin import checks
 from fotsmc_pin.control.safety.soft_start import SoftStart
+from fotsmc_pin.control.saved_state import part, present, with_prefix
+from fotsmc_pin.copying import SharesNothing
 from fotsmc_pin.errors import MeasurementError
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from numpy.typing import ArrayLike
 
     from fotsmc_pin.control.controller import Controller
@@ -21,7 +26,7 @@ SETTLING = 10.0
 """Damping of the safe stop over the joint's inertia: speed dies in a tenth of a second [1/s]."""
 
 
-class Safeguard:
+class Safeguard(SharesNothing):
     """Wraps a controller: soft start, torque-rate limit, watchdog and safe stop.
 
     It has the face of a controller (`dt`, `update`, `reset`, `signals`) and works with all of them.
@@ -98,6 +103,40 @@ class Safeguard:
         self._tau = np.zeros(self.arm.nv)
         self._before_stop = self._tau
         self._q: Array | None = None
+
+    def save_state(self) -> dict[str, Array]:
+        """Return everything that is remembered, the controller's memory included, as arrays."""
+        own: dict[str, Any] = {
+            "tau": self._tau,
+            "before_stop": self._before_stop,
+            "ramp": self._ramp,
+            "stopped": self.stopped or "",
+            "q": [] if self._q is None else self._q,
+        }
+        return (
+            {name: np.array(value) for name, value in own.items()}
+            | with_prefix("soft_start", self._lead.save_state())
+            | with_prefix("controller", self.controller.save_state())
+        )
+
+    def restore_state(self, arrays: Mapping[str, ArrayLike]) -> None:
+        """Take over what `save_state` gave, and go on from there bit for bit.
+
+        Raises:
+            ArgumentError: an array is missing or of the wrong shape. The memory stays as it was.
+        """
+        n, nq = self.arm.nv, self.arm.nq
+        tau = checks.finite_vector("tau", present(arrays, "tau"), n)
+        before_stop = checks.finite_vector("before_stop", present(arrays, "before_stop"), n)
+        ramp = checks.finite_number("ramp", present(arrays, "ramp"))
+        stopped = str(present(arrays, "stopped")) or None
+        q = present(arrays, "q")
+        place = checks.finite_vector("q", q, nq) if np.size(q) else None
+        lead = copy.copy(self._lead)
+        lead.restore_state(part(arrays, "soft_start"))
+        self.controller.restore_state(part(arrays, "controller"))
+        self._lead, self._tau, self._before_stop = lead, tau, before_stop
+        self._ramp, self.stopped, self._q = ramp, stopped, place
 
     def stop(self, reason: str = "asked for") -> None:
         """Begin a safe stop; the next `update` is its first tick."""

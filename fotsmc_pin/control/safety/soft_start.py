@@ -7,13 +7,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fotsmc_pin import checks
+from fotsmc_pin.control.saved_state import present
+from fotsmc_pin.copying import SharesNothing
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import ArrayLike
+
     from fotsmc_pin.arms import Arm
     from fotsmc_pin.types import Array
 
 
-class SoftStart:
+class SoftStart(SharesNothing):
     """Leads from any state into a reference within `duration` seconds.
 
     The offset of the first measurement, `e(0)` and `ė(0)`, is faded out by quintics, so that the
@@ -40,6 +46,23 @@ class SoftStart:
         """Begin anew: the next state is the first."""
         self._t = 0.0
         self._offset: tuple[Array, Array] | None = None
+
+    def save_state(self) -> dict[str, Array]:
+        """Return the time since the start and the offset, empty before the first state."""
+        offset = np.zeros((0, self.arm.nv)) if self._offset is None else np.array(self._offset)
+        return {"t": np.array(self._t), "offset": offset}
+
+    def restore_state(self, arrays: Mapping[str, ArrayLike]) -> None:
+        """Take over what `save_state` gave.
+
+        Raises:
+            ArgumentError: an array is missing or of the wrong shape. The memory stays as it was.
+        """
+        t = checks.finite_number("t", present(arrays, "t"), at_least=0.0)
+        given = present(arrays, "offset")
+        rows = 2 if np.size(given) else 0
+        offset = checks.finite_array("offset", given, (rows, self.arm.nv))
+        self._t, self._offset = t, (offset[0], offset[1]) if rows else None
 
     def lead(
         self, q: Array, v: Array, q_d: Array, v_d: Array, a_d: Array, dt: float
