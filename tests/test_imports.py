@@ -10,6 +10,9 @@ import pytest
 ROOT = Path(__file__).parents[1] / "fotsmc_pin"
 GROUND = {"errors", "checks", "compiled", "files"}
 
+LARGEST_TOP_LEVEL = 14
+"""So many packages can be read at a glance."""
+
 MAY_IMPORT = {
     "fractional": set(),
     "arms": set(),
@@ -17,9 +20,21 @@ MAY_IMPORT = {
     "control": {"fractional", "arms", "references"},
     "simulation": {"control", "fractional", "arms", "references"},
     "analysis": {"simulation", "control", "fractional", "arms", "references"},
+    "realtime": {"simulation", "control", "fractional", "arms", "references"},
+    "evaluation": {"analysis", "simulation", "control", "fractional", "arms", "references"},
     "view": {"analysis", "simulation", "control", "fractional", "arms", "references"},
+    "paper": {
+        "view",
+        "evaluation",
+        "analysis",
+        "simulation",
+        "control",
+        "fractional",
+        "arms",
+        "references",
+    },
 }
-"""What each room may import at all, also inside functions; the rooms above these may import any."""
+"""What each package may import at all, also inside functions; `cli` may import any."""
 
 # References: a straight line of the tool needs inverse kinematics.
 KEEPERS = {
@@ -87,6 +102,22 @@ def test_a_room_imports_only_what_lies_below_it(room):
 @pytest.mark.parametrize("room", sorted(MAY_IMPORT))
 def test_there_is_something_to_hold(room):
     assert any(room_imported(name) for path in modules(room) for name, _ in imports(path))
+
+
+def test_every_package_has_its_place():
+    packages = {path.parent.name for path in ROOT.glob("*/__init__.py")}
+    assert packages == {*MAY_IMPORT, "cli"}
+    assert len(packages) <= LARGEST_TOP_LEVEL
+
+
+def test_inside_evaluation_only_the_stress_scenarios_tune():
+    between = {
+        (path.relative_to(ROOT).parts[1], name.split(".")[2])
+        for path in modules("evaluation")
+        for name, _ in imports(path)
+        if name.startswith("fotsmc_pin.evaluation.")
+    }
+    assert {pair for pair in between if pair[0] != pair[1]} == {("stress", "tuning")}
 
 
 def test_the_ground_imports_nothing_above_it():

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from fotsmc_pin.arms import Arm
     from fotsmc_pin.control import Controller
-    from fotsmc_pin.stress_suite import StressRow
+    from fotsmc_pin.evaluation.stress import StressRow
 
 SHOWN_DRAWS = 10
 
@@ -54,8 +54,8 @@ def stress(
 ) -> None:
     """Put arms under stress: heavier than believed, with friction, noise, delay and start error."""
     from fotsmc_pin.arms import load_arm
-    from fotsmc_pin.stress_suite import run_draws
-    from fotsmc_pin.stress_suite import stress as run_suite
+    from fotsmc_pin.evaluation.stress import run_draws
+    from fotsmc_pin.evaluation.stress import stress as run_suite
 
     folder = None if out is None else result_folder(out, force=force)
     rows: list[StressRow] = []
@@ -83,9 +83,9 @@ def stress(
 
 
 def _ablation(arm: Arm, seed: int, duration: float) -> list[StressRow]:
-    from fotsmc_pin.stress_suite import ablate, scenario
-    from fotsmc_pin.stress_suite.scenario import DT
-    from fotsmc_pin.stress_suite.table import run_row
+    from fotsmc_pin.evaluation.stress import ablate, scenario
+    from fotsmc_pin.evaluation.stress.scenario import DT
+    from fotsmc_pin.evaluation.stress.table import run_row
 
     case = scenario(arm, seed=seed)
     rows = ablate(lambda law, label: run_row(case, law, label, duration), arm, DT)
@@ -96,8 +96,8 @@ def _ablation(arm: Arm, seed: int, duration: float) -> list[StressRow]:
 
 def _printed_case(law: Controller, label: str) -> StressRow:
     """Judge a run of the paper's two-link case with its printed disturbance."""
+    from fotsmc_pin.evaluation.stress import judge
     from fotsmc_pin.paper.two_link import run
-    from fotsmc_pin.stress_suite import judge
 
     return judge(run(law), "two_link, printed case", label)
 
@@ -111,9 +111,9 @@ def _best_pid(
     report: Callable[[float], None],
 ) -> StressRow:
     from fotsmc_pin.control import RobustFONFTSM
-    from fotsmc_pin.stress_suite import best_pid, scenario
-    from fotsmc_pin.stress_suite.scenario import DT
-    from fotsmc_pin.stress_suite.table import run_row
+    from fotsmc_pin.evaluation.stress import best_pid, scenario
+    from fotsmc_pin.evaluation.stress.scenario import DT
+    from fotsmc_pin.evaluation.stress.table import run_row
 
     case = scenario(arm, seed=seed)
     largest = math.inf
@@ -137,7 +137,7 @@ def _table(rows: Sequence[StressRow], seeds: Sequence[int]) -> Table:
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
 
-    from fotsmc_pin.stress_suite.table import COLUMNS, cells
+    from fotsmc_pin.evaluation.stress.table import COLUMNS, cells
 
     title = f"The worst of {len(seeds)} draws" if seeds else "Stress suite"
     table = Table(
@@ -153,7 +153,7 @@ def _table(rows: Sequence[StressRow], seeds: Sequence[int]) -> Table:
 
 
 def _write(folder: Path, rows: Sequence[StressRow], seeds: Sequence[int]) -> None:
-    from fotsmc_pin.stress_suite import markdown
+    from fotsmc_pin.evaluation.stress import markdown
 
     data = [row.as_dict() | ({"seed": seeds[k]} if seeds else {}) for k, row in enumerate(rows)]
     write_json(folder / "stress.json", {"rows": data})

@@ -12,8 +12,8 @@ from fotsmc_pin.cli.output import Force, plain_console, progress_bar, result_fol
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from fotsmc_pin.studies import ClosedLoop, Study
-    from fotsmc_pin.studies.result import Row
+    from fotsmc_pin.evaluation.studies import ClosedLoop, Study
+    from fotsmc_pin.evaluation.studies.result import Row
 
 STORE = "study.sqlite"
 
@@ -38,7 +38,7 @@ def study_command(
     """
     from fotsmc_pin import checks
     from fotsmc_pin.analysis.metrics import UNITS
-    from fotsmc_pin.studies import read_study, study
+    from fotsmc_pin.evaluation.studies import read_study, study
 
     checks.choice("--figure", figure, [*UNITS])
     run, arguments = read_study(file)
@@ -74,7 +74,7 @@ def _show(console: Console, found: Study, names: list[str], figure: str, folder:
     from rich.table import Table
 
     from fotsmc_pin.analysis.metrics import UNITS
-    from fotsmc_pin.studies import Study
+    from fotsmc_pin.evaluation.studies import Study
     from fotsmc_pin.view import distribution_figure, save_figure
 
     rows: dict[str, list[Row]] = {}

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from fotsmc_pin.analysis import Summary
     from fotsmc_pin.arms import Arm
     from fotsmc_pin.control import Controller
-    from fotsmc_pin.tuning import FrontPoint
+    from fotsmc_pin.evaluation.tuning import FrontPoint
 
 
 def tune(
@@ -42,9 +42,9 @@ def tune(
     from fotsmc_pin.arms import load_arm
     from fotsmc_pin.checks import choice
     from fotsmc_pin.control import CONTROLLERS
-    from fotsmc_pin.stress_suite.scenario import DT
-    from fotsmc_pin.stress_suite.suite import law_maker
-    from fotsmc_pin.tuning import tune as search
+    from fotsmc_pin.evaluation.stress.scenario import DT
+    from fotsmc_pin.evaluation.stress.suite import law_maker
+    from fotsmc_pin.evaluation.tuning import tune as search
     from fotsmc_pin.view.front import plot_front
 
     law = CONTROLLERS[choice("--controller", controller, [*CONTROLLERS])]
@@ -83,8 +83,8 @@ def _runner(
     """Return what runs gains in the stress scenario."""
     from fotsmc_pin.analysis import summarize
     from fotsmc_pin.errors import DivergenceError
-    from fotsmc_pin.stress_suite import scenario
-    from fotsmc_pin.stress_suite.scenario import DT
+    from fotsmc_pin.evaluation.stress import scenario
+    from fotsmc_pin.evaluation.stress.scenario import DT
 
     case = scenario(arm, seed=seed)
 

@@ -24,8 +24,8 @@ from joblib import Parallel, delayed
 from fotsmc_pin.analysis import summarize
 from fotsmc_pin.control import CONTROLLERS, PaperConditionWarning
 from fotsmc_pin.errors import DivergenceError
+from fotsmc_pin.evaluation.tuning import Tuned, search_gains
 from fotsmc_pin.paper.cases import CASES
-from fotsmc_pin.tuning import Tuned, search_gains
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

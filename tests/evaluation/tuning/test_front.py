@@ -10,7 +10,7 @@ import pytest
 
 from fotsmc_pin.control import ComputedTorque
 from fotsmc_pin.errors import ArgumentError
-from fotsmc_pin.tuning import tune
+from fotsmc_pin.evaluation.tuning import tune
 
 pytest.importorskip("optuna")
 
@@ -58,7 +58,7 @@ def test_it_goes_on_after_a_kill(tmp_path):
         import os, sys
         sys.path[:] = {sys.path!r}
         from fotsmc_pin.control import ComputedTorque
-        from fotsmc_pin.tuning import tune
+        from fotsmc_pin.evaluation.tuning import tune
         from types import SimpleNamespace
         runs = 0
         def run(gains):

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
     from types import ModuleType
 
-    from fotsmc_pin.tuning.space import Span
+    from fotsmc_pin.evaluation.tuning.space import Span
 
 
 def minimize(

@@ -13,12 +13,12 @@ import cloudpickle
 import joblib
 
 from fotsmc_pin.errors import ArgumentError, MissingDependencyError
-from fotsmc_pin.studies.result import Row
+from fotsmc_pin.evaluation.studies.result import Row
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
-    from fotsmc_pin.studies.cases import Case
+    from fotsmc_pin.evaluation.studies.cases import Case
 
     Run = Callable[..., Any]
 

@@ -10,9 +10,9 @@ import numpy as np
 from fotsmc_pin import checks
 from fotsmc_pin.arms import perturb
 from fotsmc_pin.control import warn_of_gravity
+from fotsmc_pin.evaluation.stress.payloads import stress_payload
 from fotsmc_pin.references import Sinusoid
 from fotsmc_pin.simulation import NoisySensor, TickDelay, simulate
-from fotsmc_pin.stress_suite.payloads import stress_payload
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from fotsmc_pin.arms import Arm
-    from fotsmc_pin.stress_suite.table import StressRow
+    from fotsmc_pin.evaluation.stress.table import StressRow
 
 VARIANTS: Mapping[str, Mapping[str, Any]] = {
     "everything on": {},

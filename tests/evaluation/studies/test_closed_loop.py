@@ -9,9 +9,9 @@ import pytest
 
 import fotsmc_pin as fp
 from fotsmc_pin.errors import ArgumentError, StudyError
-from fotsmc_pin.studies import read_study
+from fotsmc_pin.evaluation.studies import read_study
 
-EXAMPLE = Path(__file__).parents[2] / "examples/panda_study.toml"
+EXAMPLE = Path(__file__).parents[3] / "examples/panda_study.toml"
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ import pytest
 import fotsmc_pin as fp
 from fotsmc_pin.control import ComputedTorque, GravityWarning, RobustFONFTSM
 from fotsmc_pin.errors import ArgumentError
-from fotsmc_pin.stress_suite import (
+from fotsmc_pin.evaluation.stress import (
     VARIANTS,
     ablate,
     best_pid,
@@ -16,8 +16,8 @@ from fotsmc_pin.stress_suite import (
     scenario,
     stress,
 )
-from fotsmc_pin.stress_suite.scenario import DT
-from fotsmc_pin.stress_suite.table import StressRow, run_row
+from fotsmc_pin.evaluation.stress.scenario import DT
+from fotsmc_pin.evaluation.stress.table import StressRow, run_row
 
 
 class Pusher:

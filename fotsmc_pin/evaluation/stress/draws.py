@@ -11,10 +11,10 @@ from fotsmc_pin import checks
 from fotsmc_pin.arms import perturb
 from fotsmc_pin.arms.draw import Uniform
 from fotsmc_pin.control import CONTROLLERS, Controller, RobustFONFTSM
+from fotsmc_pin.evaluation.stress.payloads import stress_payload
+from fotsmc_pin.evaluation.stress.scenario import DT, Scenario
+from fotsmc_pin.evaluation.stress.table import StressRow, run_row
 from fotsmc_pin.references import Sinusoid
-from fotsmc_pin.stress_suite.payloads import stress_payload
-from fotsmc_pin.stress_suite.scenario import DT, Scenario
-from fotsmc_pin.stress_suite.table import StressRow, run_row
 
 if TYPE_CHECKING:
     from collections.abc import Callable

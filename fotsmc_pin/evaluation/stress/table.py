@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from fotsmc_pin.control import Controller
+    from fotsmc_pin.evaluation.stress.scenario import Scenario
     from fotsmc_pin.simulation import Recording
-    from fotsmc_pin.stress_suite.scenario import Scenario
 
 INFINITE = float("inf")
 LOST = 0.5

@@ -16,8 +16,8 @@ import pytest
 
 import fotsmc_pin as fp
 from fotsmc_pin.errors import ArgumentError, StudyError
-from fotsmc_pin.studies.result import Row, Study
-from tests.studies import runs
+from fotsmc_pin.evaluation.studies.result import Row, Study
+from tests.evaluation.studies import runs
 
 GRID = {"x": [0.1, 0.2, 0.7]}
 DRAWS = {"y": fp.Uniform(0.0, 1.0)}
@@ -95,7 +95,7 @@ def test_a_store_holds_several_studies_and_grows(tmp_path):
 def test_a_killed_study_keeps_its_runs_and_goes_on(tmp_path):
     log, store = tmp_path / "log", tmp_path / "study.sqlite"
     program = (
-        "import fotsmc_pin as fp\nfrom tests.studies import runs\n"
+        "import fotsmc_pin as fp\nfrom tests.evaluation.studies import runs\n"
         f"fp.study(runs.logged, grid={{'log': [{str(log)!r}], 'x': list(range(60))}},\n"
         f"         jobs=1, store={str(store)!r})\n"
     )

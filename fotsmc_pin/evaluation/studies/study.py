@@ -6,17 +6,17 @@ import hashlib
 from typing import TYPE_CHECKING, Any
 
 from fotsmc_pin.errors import ArgumentError
+from fotsmc_pin.evaluation.studies.cases import cases
+from fotsmc_pin.evaluation.studies.result import Study
+from fotsmc_pin.evaluation.studies.store import Store
+from fotsmc_pin.evaluation.studies.workers import run_all
 from fotsmc_pin.simulation.progress import reporting
-from fotsmc_pin.studies.cases import cases
-from fotsmc_pin.studies.result import Study
-from fotsmc_pin.studies.store import Store
-from fotsmc_pin.studies.workers import run_all
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Callable
 
-    from fotsmc_pin.studies.cases import Draws, Grid
+    from fotsmc_pin.evaluation.studies.cases import Draws, Grid
 
 
 def study(

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
-from fotsmc_pin.tuning.minimize import minimize
-from fotsmc_pin.tuning.space import search_space
+from fotsmc_pin.evaluation.tuning.minimize import minimize
+from fotsmc_pin.evaluation.tuning.space import search_space
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping

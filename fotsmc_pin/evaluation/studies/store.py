@@ -7,14 +7,14 @@ import sqlite3
 from typing import TYPE_CHECKING, Any
 
 from fotsmc_pin.errors import StudyError
-from fotsmc_pin.studies.result import Row
+from fotsmc_pin.evaluation.studies.result import Row
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Iterable
     from types import TracebackType
 
-    from fotsmc_pin.studies.cases import Case
+    from fotsmc_pin.evaluation.studies.cases import Case
 
 FORMAT = 1
 

@@ -6,9 +6,9 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from fotsmc_pin.control import ComputedTorque
-from fotsmc_pin.stress_suite.scenario import DT, DURATION, Scenario
-from fotsmc_pin.stress_suite.table import StressRow, run_row
-from fotsmc_pin.tuning import Span, minimize
+from fotsmc_pin.evaluation.stress.scenario import DT, DURATION, Scenario
+from fotsmc_pin.evaluation.stress.table import StressRow, run_row
+from fotsmc_pin.evaluation.tuning import Span, minimize
 
 if TYPE_CHECKING:
     from collections.abc import Callable

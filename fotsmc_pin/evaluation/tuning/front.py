@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 from fotsmc_pin import checks
 from fotsmc_pin.errors import ArgumentError
-from fotsmc_pin.tuning.minimize import require_optuna, suggested
-from fotsmc_pin.tuning.space import search_space
+from fotsmc_pin.evaluation.tuning.minimize import require_optuna, suggested
+from fotsmc_pin.evaluation.tuning.space import search_space
 
 if TYPE_CHECKING:
     import os

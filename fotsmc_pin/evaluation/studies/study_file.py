@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from fotsmc_pin import checks
 from fotsmc_pin.arms import Uniform
 from fotsmc_pin.errors import StudyError
-from fotsmc_pin.studies.closed_loop import ClosedLoop
+from fotsmc_pin.evaluation.studies.closed_loop import ClosedLoop
 
 if TYPE_CHECKING:
     import os

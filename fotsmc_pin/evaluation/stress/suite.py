@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, TypeAlias
 from fotsmc_pin import checks
 from fotsmc_pin.arms import load_arm
 from fotsmc_pin.control import CONTROLLERS, Controller
-from fotsmc_pin.stress_suite.scenario import DT, DURATION, scenario
-from fotsmc_pin.stress_suite.table import StressRow, run_row
+from fotsmc_pin.evaluation.stress.scenario import DT, DURATION, scenario
+from fotsmc_pin.evaluation.stress.table import StressRow, run_row
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping

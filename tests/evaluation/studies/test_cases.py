@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from fotsmc_pin import Uniform
 from fotsmc_pin.errors import ArgumentError
-from fotsmc_pin.studies.cases import Case, cases
+from fotsmc_pin.evaluation.studies.cases import Case, cases
 
 GRID = {"law": ["a", "b"], "alpha": [0.1, 0.2, 0.3]}
 DRAWS = {"mass": Uniform(0.5, 2.0), "arm": ["long", "short"]}
