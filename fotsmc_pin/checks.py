@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,9 +12,9 @@ from fotsmc_pin.errors import ArgumentError
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
-    Vector: TypeAlias = NDArray[np.float64]
+    from fotsmc_pin.types import Array
 
 
 def finite_number(
@@ -61,7 +61,7 @@ def count(name: str, value: int, *, at_least: int = 1) -> int:
     return int(value)
 
 
-def finite_vector(name: str, value: ArrayLike, size: int) -> Vector:
+def finite_vector(name: str, value: ArrayLike, size: int) -> Array:
     """Return a fresh float64 vector of shape `(size,)` with finite entries."""
     try:
         vector = np.array(value, dtype=np.float64)
@@ -76,7 +76,7 @@ def finite_vector(name: str, value: ArrayLike, size: int) -> Vector:
 
 def per_joint(
     name: str, value: ArrayLike, size: int, *, above: float = -math.inf, at_least: float = -math.inf
-) -> Vector:
+) -> Array:
     """Return a vector with one entry per joint; a scalar stands for all of them."""
     if np.ndim(value) == 0:
         value = np.full(size, value)

@@ -11,11 +11,9 @@ from scipy.integrate import trapezoid
 from fotsmc_pin import checks
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from fotsmc_pin.simulation import Recording
+    from fotsmc_pin.types import Array
 
-    Array = NDArray[np.float64]
 
 AT_LIMIT = 1.0 - 1e-9
 

@@ -13,7 +13,7 @@ from fotsmc_pin.checks import count, finite_number
 from fotsmc_pin.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from fotsmc_pin.types import Array
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ class Stream:
             return float(self.rng.uniform(given.low, given.high))
         return finite_number(self._purpose, given)
 
-    def direction(self) -> NDArray[np.float64]:
+    def direction(self) -> Array:
         """Return a unit vector, (3,), every direction alike."""
         vector = self.rng.normal(size=3)
         return np.asarray(vector / np.linalg.norm(vector))

@@ -36,9 +36,8 @@ from fotsmc_pin.fractional.layout import (
 )
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from fotsmc_pin.types import Array
 
-    Array: TypeAlias = NDArray[np.float64]
 
 SCHEMES = {
     "linear": LINEAR,

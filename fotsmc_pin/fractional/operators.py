@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, TypeAlias
 
 from fotsmc_pin.checks import choice, count, finite_number
 from fotsmc_pin.fractional.coefficients import (
@@ -15,12 +14,6 @@ from fotsmc_pin.fractional.coefficients import (
     history_kernel,
 )
 from fotsmc_pin.fractional.stream import Stream
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    Array: TypeAlias = NDArray[np.float64]
 
 DEFINITIONS = ("caputo", "riemann-liouville")
 

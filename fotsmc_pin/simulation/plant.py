@@ -14,14 +14,9 @@ from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.simulation.dry_friction import rub
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from numpy.typing import ArrayLike, NDArray
-
     from fotsmc_pin.arms import Arm
+    from fotsmc_pin.types import Array, Disturbance
 
-    Array = NDArray[np.float64]
-    Disturbance = Callable[[float], ArrayLike]
 
 INTEGRATORS = ("rk4", "semi-implicit")
 FRICTION_WIDTH = 1e-3

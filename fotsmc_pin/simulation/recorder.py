@@ -12,12 +12,9 @@ from fotsmc_pin.compiled import kernel, settled
 from fotsmc_pin.simulation.recording import Recording
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from fotsmc_pin.arms import Arm
     from fotsmc_pin.simulation.plant import Plant
-
-    Array = NDArray[np.float64]
+    from fotsmc_pin.types import Array
 
 
 class Recorder:

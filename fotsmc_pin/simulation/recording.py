@@ -17,9 +17,8 @@ from fotsmc_pin.files import replacing
 if TYPE_CHECKING:
     import os
 
-    from numpy.typing import NDArray
+    from fotsmc_pin.types import Array
 
-    Array = NDArray[np.float64]
 
 FORMAT = 2
 SIGNAL_PREFIX = "signal."

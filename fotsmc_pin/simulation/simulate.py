@@ -20,16 +20,11 @@ from fotsmc_pin.simulation.targets import targets
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
     from fotsmc_pin.arms import Arm
-    from fotsmc_pin.simulation.plant import Disturbance
     from fotsmc_pin.simulation.recording import Recording
-
-    Array = NDArray[np.float64]
-    Reference = Callable[[float], tuple[Array, Array, Array]]
-    Sensor = Callable[[float, Array, Array], tuple[Array, Array]]
-    Actuator = Callable[[float, Array], Array]
+    from fotsmc_pin.types import Actuator, Array, Disturbance, Reference, Sensor
 
 
 CHUNK = 256

@@ -7,14 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from numpy.typing import NDArray
-
     from fotsmc_pin.arms import Arm
-
-    Array = NDArray[np.float64]
-    Reference = Callable[[float], tuple[Array, Array, Array]]
+    from fotsmc_pin.types import Array, Reference
 
 
 def targets(reference: Reference, t: Array, arm: Arm) -> tuple[Array, Array, Array]:

@@ -15,15 +15,11 @@ from fotsmc_pin.references import Sinusoid
 from fotsmc_pin.simulation import NoisySensor, TickDelay, simulate
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from numpy.typing import NDArray
-
     from fotsmc_pin.arms import Arm
     from fotsmc_pin.control import Controller
     from fotsmc_pin.simulation import Recording
+    from fotsmc_pin.types import Array, Reference
 
-    Array = NDArray[np.float64]
 
 DT = 1e-3
 DURATION = 6.0
@@ -55,7 +51,7 @@ class Scenario:
 
     arm: Arm
     true: Arm
-    reference: Callable[[float], tuple[Array, Array, Array]]
+    reference: Reference
     q0: Array
     position_noise: float = POSITION_NOISE
     velocity_noise: float = VELOCITY_NOISE

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from fotsmc_pin.simulation import Recording
+    from fotsmc_pin.types import Reference
 
-    Reference = Callable[[float], Any]
 
 GAIN = "gains."
 
