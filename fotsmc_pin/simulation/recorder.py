@@ -78,7 +78,7 @@ class Recorder:
             q_d=q_d,
             v_d=v_d,
             e=errors(self._arm, q_d, q),
-            ed=v - v_d,
+            e_dot=v - v_d,
             tau=tau,
             signals=live | asked,
             arm=self._arm,

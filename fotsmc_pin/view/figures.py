@@ -61,7 +61,7 @@ def velocity_figure(recording: Recording, joints: Sequence[int] | None = None) -
             draw(left, recording.t, recording.v[:, joint], label="arm")
             draw(left, recording.t, recording.v_d[:, joint], label="reference", **REFERENCE)
             label_axis(left, _name(recording, joint), unit)
-            draw(right, recording.t, recording.ed[:, joint])
+            draw(right, recording.t, recording.e_dot[:, joint])
             label_axis(right, "velocity error", unit)
         axes[0, 0].legend(loc="best")
         label_time(axes)
@@ -171,7 +171,7 @@ def comparison_figure(
 
 
 def _quantity(recording: Recording, quantity: str) -> Array:
-    tables = {"error": recording.e, "velocity error": recording.ed, "torque": recording.tau}
+    tables = {"error": recording.e, "velocity error": recording.e_dot, "torque": recording.tau}
     return tables[choice("quantities", quantity, [*tables])]
 
 

@@ -33,7 +33,7 @@ def record(arm):
             q_d=zero,
             v_d=zero,
             e=np.column_stack([e(t), other(t)]),
-            ed=zero,
+            e_dot=zero,
             tau=np.column_stack([tau(t), 0 * t]),
             signals={},
             arm=arm,
