@@ -34,7 +34,7 @@ def main(out: Path = Path("out/study"), repeats: int = 500, duration: float = 3.
     for name, group in groups.items():
         median, worst = 1e3 * group.quantiles("tail_rms_error", (0.5, 1.0))
         print(f"{name}: median {median:.3g} mrad, worst {worst:.3g} mrad RMS in the last half")
-    errors = {name: group.figure("tail_rms_error") for name, group in groups.items()}
+    errors = {name: group.metric("tail_rms_error") for name, group in groups.items()}
     figure = distribution_figure(errors, "RMS error, last half", "mrad", scale=1e3)
     save_figure(figure, out / "distribution")
 

@@ -98,7 +98,7 @@ def _table(title: str, summary: Summary) -> object:
     from rich.table import Table
 
     table = Table(title=title, title_justify="left")
-    table.add_column("figure")
+    table.add_column("metric")
     table.add_column("value", justify="right")
     for name, value in (
         ("settling to 10 mrad [s]", f"{summary.settling_time:.3f}"),

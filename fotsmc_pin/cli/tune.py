@@ -105,7 +105,9 @@ def _cells(point: FrontPoint) -> tuple[str, str, str]:
 def _table(front: Sequence[FrontPoint], error: str) -> Table:
     from rich.table import Table
 
-    table = Table(title="Gains that none other beats in both figures", title_justify="left")
+    table = Table(
+        title="Gains that no others beat in both error and torque variation", title_justify="left"
+    )
     for column in (error, "torque variation [N·m/s]", "gains"):
         table.add_column(column)
     for point in front:

@@ -23,14 +23,14 @@ class Row:
     Attributes:
         parameters: what was different in it.
         seed: its seed.
-        figures: what it came to, by name; empty if it failed.
+        metrics: its results by name; empty if it failed.
         error: why it failed; None if it did not.
         seconds: how long it took [s].
     """
 
     parameters: Mapping[str, Any]
     seed: int
-    figures: Mapping[str, float] = field(default_factory=dict)
+    metrics: Mapping[str, float] = field(default_factory=dict)
     error: str | None = None
     seconds: float = 0.0
 
@@ -56,18 +56,18 @@ class Study:
 
     @property
     def succeeded(self) -> tuple[Row, ...]:
-        """The runs that came to figures."""
+        """The runs that ended without an error."""
         return tuple(row for row in self.rows if row.error is None)
 
-    def figure(self, name: str) -> Array:
-        """Return one figure of every run that succeeded, (n,).
+    def metric(self, name: str) -> Array:
+        """Return one metric of every run that succeeded, (n,).
 
         Raises:
-            ArgumentError: the runs have no figure of this name.
+            ArgumentError: the runs have no metric of this name.
         """
-        known = self.succeeded[0].figures if self.succeeded else {}
+        known = self.succeeded[0].metrics if self.succeeded else {}
         checks.choice("name", name, sorted(known))
-        return np.array([row.figures[name] for row in self.succeeded])
+        return np.array([row.metrics[name] for row in self.succeeded])
 
     def where(self, parameters: Mapping[str, Any]) -> Study:
         """Return the runs with these parameters, such as one point of a grid."""
@@ -80,21 +80,21 @@ class Study:
         )
 
     def worst(self, name: str, *, key: Callable[[float], float] = abs) -> Row:
-        """Return the run whose figure is largest; not a number counts as worst of all.
+        """Return the run whose metric is largest; not a number counts as worst of all.
 
         Args:
-            name: the figure.
-            key: what is compared of it; `operator.neg` finds the smallest figure.
+            name: the metric.
+            key: what is compared of it; `operator.neg` finds the smallest value.
 
         Raises:
-            ArgumentError: no run succeeded, or none has a figure of this name.
+            ArgumentError: no run succeeded, or none has a metric of this name.
         """
-        values = [key(value) for value in self.figure(name)]
+        values = [key(value) for value in self.metric(name)]
         if not values:
             raise ArgumentError("name", name, "no run succeeded")
         badness = [np.inf if np.isnan(value) else value for value in values]
         return self.succeeded[int(np.argmax(badness))]
 
     def quantiles(self, name: str, levels: tuple[float, ...] = (0.05, 0.5, 0.95, 1.0)) -> Array:
-        """Return quantiles of one figure; each is one of the runs, never a value between two."""
-        return np.asarray(np.quantile(self.figure(name), levels, method="higher"))
+        """Return quantiles of one metric; each is one of the runs, never a value between two."""
+        return np.asarray(np.quantile(self.metric(name), levels, method="higher"))

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from fotsmc_pin.evaluation.studies.cases import Case
 
-FORMAT = 1
+FORMAT = 2
 
 TABLES = """
 CREATE TABLE IF NOT EXISTS runs (
@@ -28,12 +28,18 @@ CREATE TABLE IF NOT EXISTS runs (
     seconds REAL NOT NULL,
     finished TEXT NOT NULL DEFAULT CURRENT_TIMESTAMP
 ) STRICT;
-CREATE TABLE IF NOT EXISTS figures (
+CREATE TABLE IF NOT EXISTS metrics (
     key TEXT NOT NULL REFERENCES runs,
     name TEXT NOT NULL,
     value REAL,
     PRIMARY KEY (key, name)
 ) STRICT, WITHOUT ROWID;
+"""
+FROM_FORMAT_1 = """
+BEGIN;
+ALTER TABLE figures RENAME TO metrics;
+PRAGMA user_version = 2;
+COMMIT;
 """
 
 
@@ -44,11 +50,11 @@ class Store:
     runs written before are there. Keep the file on a local disk, not on a network share.
 
     Tables: `runs`, a row each, with the parameters as JSON and the error of a failed run; and
-    `figures`, a row for each figure of a run, ready for SQL; NULL stands for not a number.
+    `metrics`, a row for each metric of a run, ready for SQL; NULL stands for not a number.
     """
 
     def __init__(self, path: str | os.PathLike[str] | None) -> None:
-        """Open the store at `path`, or one in memory for None.
+        """Open the store at `path`, or one in memory for None; one of format 1 becomes one of 2.
 
         Raises:
             StudyError: the file is no store of studies, or one of another version.
@@ -59,8 +65,10 @@ class Store:
             self._database.execute("PRAGMA journal_mode = WAL")
             self._database.execute("PRAGMA synchronous = NORMAL")
             (found,) = self._database.execute("PRAGMA user_version").fetchone()
-            if found not in (0, FORMAT):
-                raise StudyError(f"{path}: store format {found}, this version reads {FORMAT}")
+            if found == 1:
+                self._database.executescript(FROM_FORMAT_1)
+            elif found not in (0, FORMAT):
+                raise StudyError(f"{path}: store format {found}, this version reads 1 and {FORMAT}")
             self._database.executescript(TABLES)
             self._database.execute(f"PRAGMA user_version = {FORMAT}")
         except sqlite3.Error as error:
@@ -91,15 +99,15 @@ class Store:
         key = case.key(run)
         parameters = json.dumps(dict(case.parameters))
         with self._database:
-            self._database.execute("DELETE FROM figures WHERE key = ?", (key,))
+            self._database.execute("DELETE FROM metrics WHERE key = ?", (key,))
             self._database.execute(
                 "INSERT OR REPLACE INTO runs (key, run, parameters, seed, error, seconds)"
                 " VALUES (?, ?, ?, ?, ?, ?)",
                 (key, run, parameters, case.seed, row.error, row.seconds),
             )
             self._database.executemany(
-                "INSERT INTO figures VALUES (?, ?, ?)",
-                [(key, name, value) for name, value in row.figures.items()],
+                "INSERT INTO metrics VALUES (?, ?, ?)",
+                [(key, name, value) for name, value in row.metrics.items()],
             )
 
     def read(self, keys: Iterable[str]) -> list[Row]:
@@ -109,13 +117,13 @@ class Store:
     def _read(self, key: str) -> list[Row]:
         query = "SELECT parameters, seed, error, seconds FROM runs WHERE key = ?"
         rows: list[tuple[Any, ...]] = self._database.execute(query, (key,)).fetchall()
-        figures = self._database.execute("SELECT name, value FROM figures WHERE key = ?", (key,))
-        values = {name: float("nan") if value is None else value for name, value in figures}
+        metrics = self._database.execute("SELECT name, value FROM metrics WHERE key = ?", (key,))
+        values = {name: float("nan") if value is None else value for name, value in metrics}
         return [
             Row(
                 parameters=json.loads(parameters),
                 seed=seed,
-                figures=values,
+                metrics=values,
                 error=error,
                 seconds=seconds,
             )

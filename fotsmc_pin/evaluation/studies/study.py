@@ -32,14 +32,14 @@ def study(
     retry_failed: bool = False,
     progress: bool | Callable[[float], None] = False,
 ) -> Study:
-    """Run every point of a grid, each with random draws, and collect the figures.
+    """Run every point of a grid, each with random draws, and collect their metrics.
 
     All points of the grid meet the same draws. The results do not depend on the number of
     processes, on Dask, or on interruptions: they are the same bit for bit.
 
     Args:
-        run: `(parameters, seed) -> figures`; `parameters` is a dict of what is different in this
-            run, `figures` a `Summary` or a dict of numbers. `ClosedLoop` is one; any function or
+        run: `(parameters, seed) -> metrics`; `parameters` is a dict of what is different in this
+            run, `metrics` a `Summary` or a dict of numbers. `ClosedLoop` is one; any function or
             object that pickles will do. An error that it raises becomes a row.
         grid: names and lists of values; every combination is run. The values are plain data.
         draws: names, each with a `Uniform` or a list to draw from.

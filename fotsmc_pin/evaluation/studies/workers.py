@@ -26,17 +26,17 @@ if TYPE_CHECKING:
 def run_case(run: Run, case: Case) -> Row:
     """Run one case; an error becomes part of the row."""
     started = time.perf_counter()
-    figures: dict[str, float] = {}
+    metrics: dict[str, float] = {}
     error = None
     try:
         outcome = run(dict(case.parameters), case.seed)
         outcome = outcome.as_dict() if hasattr(outcome, "as_dict") else dict(outcome)
-        figures = {name: float(value) for name, value in outcome.items()}
+        metrics = {name: float(value) for name, value in outcome.items()}
     except Exception as raised:  # A study outlives every run: whatever it was, it is noted.
         error = f"{type(raised).__name__}: {raised}"
     took = time.perf_counter() - started
     return Row(
-        parameters=case.parameters, seed=case.seed, figures=figures, error=error, seconds=took
+        parameters=case.parameters, seed=case.seed, metrics=metrics, error=error, seconds=took
     )
 
 

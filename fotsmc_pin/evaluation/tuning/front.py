@@ -18,18 +18,18 @@ if TYPE_CHECKING:
     from fotsmc_pin.control import Controller
 
 OBJECTIVES = ("tail_rms_error", "max_tail_error", "rms_error", "settling_time", "iae", "itae")
-"""Figures of a `Summary` that may be made small beside the torque variation."""
+"""Metrics of a `Summary` that may be made small beside the torque variation."""
 LOST = 1e6
 """Both objectives of a run that diverged or broke its torque limit."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class FrontPoint:
-    """A set of gains that no other beats in both figures.
+    """A set of gains that no other beats in both error and torque variation.
 
     Attributes:
         gains: what differs from the law's defaults, by name.
-        error: the chosen figure of error.
+        error: the chosen metric of error.
         torque_variation: in the last half of the run [N·m/s].
         trial: number of the trial.
     """
@@ -67,7 +67,7 @@ def tune(
         path: Optuna's journal; made if it is not there.
         start: gains of the first trial, around which the search is laid (`search_space`).
         trials: how many there are to be in the file at the end.
-        objective: figure of error; one of `OBJECTIVES`.
+        objective: metric of error; one of `OBJECTIVES`.
         largest_torque: peak torque that a run may have [N·m]; None for no bound beyond the arm's.
         seed: of the search.
         progress: is told the fraction done.

@@ -24,7 +24,7 @@ def test_a_row_can_be_had_again_as_a_whole_run(loop):
     found = fp.study(loop, draws=draws, repeats=3, jobs=1)
     row = found.worst("rms_error")
     rec = loop.record(row.parameters, row.seed)
-    assert fp.summarize(rec).as_dict() == row.figures
+    assert fp.summarize(rec).as_dict() == row.metrics
     assert rec.error_norm[0] == pytest.approx(row.parameters["start_error"] * np.sqrt(2))
 
 

@@ -26,7 +26,7 @@ DRAWS = {"y": fp.Uniform(0.0, 1.0)}
 def test_rows_come_in_the_order_of_the_cases():
     found = fp.study(runs.noisy_square, grid=GRID, repeats=2, jobs=1)
     assert [row.parameters["x"] for row in found.rows] == [0.1, 0.1, 0.2, 0.2, 0.7, 0.7]
-    assert found.figure("square").tolist() == [x * x / 3 for x in (0.1, 0.1, 0.2, 0.2, 0.7, 0.7)]
+    assert found.metric("square").tolist() == [x * x / 3 for x in (0.1, 0.1, 0.2, 0.2, 0.7, 0.7)]
     assert len(found.where({"x": 0.2})) == 2
 
 
@@ -43,14 +43,14 @@ def test_two_processes_and_dask_give_the_same_bits(tmp_path):
     ) as cluster:
         distributed = fp.study(loop, scheduler=cluster.scheduler.address, **arguments)
     for other in (together, distributed):
-        assert [row.figures for row in other.rows] == [row.figures for row in alone.rows]
+        assert [row.metrics for row in other.rows] == [row.metrics for row in alone.rows]
         assert [row.parameters for row in other.rows] == [row.parameters for row in alone.rows]
 
 
 def test_the_run_goes_to_each_process_once(tmp_path):
     log = tmp_path / "arrivals"
     found = fp.study(runs.CountsItsArrivals(str(log)), grid={"x": list(range(30))}, jobs=2)
-    workers = set(found.figure("process"))
+    workers = set(found.metric("process"))
     arrivals = Counter(log.read_text().split())
     assert os.getpid() not in workers
     assert {int(process) for process in arrivals} == workers
@@ -65,7 +65,7 @@ def test_a_failed_run_is_a_row_and_not_the_end(tmp_path):
         "ArithmeticError: x = 2.0 is too much",
         None,
     ]
-    assert found.figure("x").tolist() == [0.5, 1.0]
+    assert found.metric("x").tolist() == [0.5, 1.0]
     again = fp.study(runs.fragile, grid={"x": [0.5, 2.0, 1.0]}, jobs=1, store=store)
     assert again == found
 
@@ -82,13 +82,34 @@ def test_failed_runs_are_run_again_on_demand(tmp_path):
     assert log.read_text().split() == ["1", "2", "2"]
 
 
+def test_a_study_continues_from_a_store_of_an_older_version(tmp_path):
+    log, store = tmp_path / "log", tmp_path / "study.sqlite"
+    grid = {"log": [str(log)], "x": [1, 2]}
+    fp.study(runs.logged, grid=grid, jobs=1, store=store)
+    with sqlite3.connect(store) as database:
+        database.executescript("ALTER TABLE metrics RENAME TO figures; PRAGMA user_version = 1;")
+    database.close()
+    wider = fp.study(runs.logged, grid=grid | {"x": [1, 2, 3]}, jobs=1, store=store)
+    assert wider.metric("x").tolist() == [1.0, 2.0, 3.0]
+    assert log.read_text().split() == ["1", "2", "3"]
+
+
+def test_a_store_of_a_newer_version_is_refused_by_number(tmp_path):
+    store = tmp_path / "study.sqlite"
+    with sqlite3.connect(store) as database:
+        database.execute("PRAGMA user_version = 99")
+    database.close()
+    with pytest.raises(StudyError, match="store format 99, this version reads 1 and 2"):
+        fp.study(runs.noisy_square, grid=GRID, jobs=1, store=store)
+
+
 def test_a_store_holds_several_studies_and_grows(tmp_path):
     log, store = tmp_path / "log", tmp_path / "study.sqlite"
     grid = {"log": [str(log)], "x": [1, 2]}
     fp.study(runs.logged, grid=grid, jobs=1, store=store)
     fp.study(runs.noisy_square, grid=GRID, jobs=1, store=store)
     wider = fp.study(runs.logged, grid=grid | {"x": [2, 3, 1]}, jobs=1, store=store)
-    assert wider.figure("x").tolist() == [2.0, 3.0, 1.0]
+    assert wider.metric("x").tolist() == [2.0, 3.0, 1.0]
     assert log.read_text().split() == ["1", "2", "3"]
 
 
@@ -113,7 +134,7 @@ def test_a_killed_study_keeps_its_runs_and_goes_on(tmp_path):
     found = fp.study(
         runs.logged, grid={"log": [str(log)], "x": list(range(60))}, jobs=2, store=store
     )
-    assert found.figure("x").tolist() == list(range(60))
+    assert found.metric("x").tolist() == list(range(60))
     assert lines(log) == 60 + started - kept
 
 
@@ -143,23 +164,23 @@ def test_a_file_that_is_no_store_is_refused_and_left_alone(tmp_path):
 
 def test_the_worst_run_and_the_quantiles_are_runs():
     values = [3.0, 1.0, np.inf, 2.0]
-    rows = [Row(parameters={}, seed=k, figures={"e": v}) for k, v in enumerate(values)]
+    rows = [Row(parameters={}, seed=k, metrics={"e": v}) for k, v in enumerate(values)]
     found = Study((*rows, Row(parameters={}, seed=9, error="lost")))
     assert found.worst("e").seed == 2
     assert found.worst("e", key=lambda e: -e).seed == 1
     assert found.quantiles("e", (0.0, 0.5, 1.0)).tolist() == [1.0, 3.0, np.inf]
     with pytest.raises(ArgumentError, match="name"):
-        found.figure("f")
-    lost = Row(parameters={}, seed=0, figures={"e": np.nan})
+        found.metric("f")
+    lost = Row(parameters={}, seed=0, metrics={"e": np.nan})
     assert Study((*found.rows, lost)).worst("e") in (found.rows[2], lost)
 
 
-def test_infinite_figures_and_missing_ones_come_back_from_the_store(tmp_path):
+def test_infinite_metrics_and_missing_ones_come_back_from_the_store(tmp_path):
     store = tmp_path / "study.sqlite"
     found = fp.study(unusual, jobs=1, store=store)
     (row,) = fp.study(unusual, jobs=1, store=store).rows
-    assert row.figures["settling"] == np.inf
-    assert np.isnan(row.figures["undefined"])
+    assert row.metrics["settling"] == np.inf
+    assert np.isnan(row.metrics["undefined"])
     assert found.rows[0].seconds == row.seconds
 
 
