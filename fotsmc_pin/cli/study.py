@@ -12,7 +12,7 @@ from fotsmc_pin.cli.output import Force, plain_console, progress_bar, result_fol
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from fotsmc_pin.evaluation.studies import ClosedLoop, Study
+    from fotsmc_pin.evaluation.studies import ClosedLoop, StudyResult
     from fotsmc_pin.evaluation.studies.result import Row
 
 STORE = "study.sqlite"
@@ -70,18 +70,20 @@ def study_command(
         raise typer.Exit(1)
 
 
-def _show(console: Console, found: Study, names: list[str], metric: str, folder: Path) -> None:
+def _show(
+    console: Console, found: StudyResult, names: list[str], metric: str, folder: Path
+) -> None:
     from rich.table import Table
 
     from fotsmc_pin.analysis.metrics import UNITS
-    from fotsmc_pin.evaluation.studies import Study
+    from fotsmc_pin.evaluation.studies import StudyResult
     from fotsmc_pin.view import distribution_figure, save_figure
 
     rows: dict[str, list[Row]] = {}
     for row in found.succeeded:
         name = ", ".join(str(row.parameters[name]) for name in names) or "all runs"
         rows.setdefault(name, []).append(row)
-    groups = {name: Study(tuple(members)) for name, members in rows.items()}
+    groups = {name: StudyResult(tuple(members)) for name, members in rows.items()}
     unit = UNITS[metric]
     table = Table(title=f"{metric} [{unit}]", title_justify="left")
     table.add_column("group")

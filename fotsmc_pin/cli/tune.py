@@ -83,14 +83,14 @@ def _runner(
     """Return what runs gains in the stress scenario."""
     from fotsmc_pin.analysis import summarize
     from fotsmc_pin.errors import DivergenceError
-    from fotsmc_pin.evaluation.stress import scenario
+    from fotsmc_pin.evaluation.stress import stress_scenario
     from fotsmc_pin.evaluation.stress.scenario import DT
 
-    case = scenario(arm, seed=seed)
+    scenario = stress_scenario(arm, seed=seed)
 
     def run(gains: dict[str, Any]) -> Summary | None:
         try:
-            return summarize(case.run(law(arm, DT, **(start | gains)), duration))
+            return summarize(scenario.run(law(arm, DT, **(start | gains)), duration))
         except DivergenceError:
             return None
 

@@ -1,15 +1,19 @@
-"""The stress suite: a scenario that is hard on any arm, random draws, and an ablation."""
+"""The stress suite: a scenario that is hard on any arm, random scenarios, and an ablation."""
 
 from fotsmc_pin.evaluation.stress.ablation import VARIANTS, ablate
 from fotsmc_pin.evaluation.stress.baseline import best_pid
-from fotsmc_pin.evaluation.stress.draws import Draw, draw_case, run_draws
-from fotsmc_pin.evaluation.stress.scenario import Scenario, scenario
+from fotsmc_pin.evaluation.stress.random_scenarios import (
+    SeededRow,
+    random_scenario,
+    run_random_scenarios,
+)
+from fotsmc_pin.evaluation.stress.scenario import Scenario, stress_scenario
 from fotsmc_pin.evaluation.stress.suite import stress
 from fotsmc_pin.evaluation.stress.table import StressRow, judge, markdown
 
 __all__ = [
     "stress",
-    "scenario",
+    "stress_scenario",
     "Scenario",
     "StressRow",
     "markdown",
@@ -17,7 +21,7 @@ __all__ = [
     "judge",
     "ablate",
     "VARIANTS",
-    "Draw",
-    "draw_case",
-    "run_draws",
+    "SeededRow",
+    "random_scenario",
+    "run_random_scenarios",
 ]

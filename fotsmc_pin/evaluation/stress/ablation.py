@@ -27,10 +27,10 @@ VARIANTS: Mapping[str, Mapping[str, Any]] = {
 
 
 def ablate(run: Callable[[RobustFONFTSM, str], StressRow], arm: Arm, dt: float) -> list[StressRow]:
-    """Run each of `VARIANTS` on a case.
+    """Run each of `VARIANTS` in a scenario.
 
     Args:
-        run: `(controller, label) -> row`, the case.
+        run: `(controller, label) -> row`: runs the scenario and judges the run.
         arm: the nominal arm.
         dt: period of a tick [s].
     """

@@ -27,7 +27,7 @@ PENALTY = 10.0
 
 
 def best_pid(
-    case: Scenario,
+    scenario: Scenario,
     *,
     trials: int = TRIALS,
     seed: int = 0,
@@ -40,7 +40,7 @@ def best_pid(
     The PID is tuned to the very run that it is judged by, noise and all; its competitor is not.
 
     Args:
-        case: the scenario.
+        scenario: what the PID is judged by.
         trials: how many sets of gains are tried, the law's own PID preset first.
         seed: of the search.
         duration: simulated time of each run [s].
@@ -56,7 +56,7 @@ def best_pid(
     """
 
     def judged(gains: dict[str, Any]) -> StressRow:
-        return run_row(case, ComputedTorque(case.arm, DT, **gains), "best PID", duration)
+        return run_row(scenario, ComputedTorque(scenario.arm, DT, **gains), "best PID", duration)
 
     def cost(gains: dict[str, float]) -> float:
         row = judged(gains)

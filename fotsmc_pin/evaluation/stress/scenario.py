@@ -87,7 +87,7 @@ class Scenario:
         )
 
 
-def scenario(arm: Arm, *, payload: float | None = None, seed: int = 0) -> Scenario:
+def stress_scenario(arm: Arm, *, payload: float | None = None, seed: int = 0) -> Scenario:
     """Return the stress scenario of an arm.
 
     The plant has 30 % more mass in each link, the rated payload of the arm (or a tenth of its mass)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from fotsmc_pin import checks
 from fotsmc_pin.arms import load_arm
 from fotsmc_pin.control import CONTROLLERS, Controller
-from fotsmc_pin.evaluation.stress.scenario import DT, DURATION, scenario
+from fotsmc_pin.evaluation.stress.scenario import DT, DURATION, stress_scenario
 from fotsmc_pin.evaluation.stress.table import StressRow, run_row
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ def stress(
     seed: int = 0,
     progress: Callable[[float], None] | None = None,
 ) -> list[StressRow]:
-    """Run every controller on every arm in the stress scenario (`scenario`), at 1 kHz.
+    """Run every controller on every arm in the stress scenario (`stress_scenario`), at 1 kHz.
 
     Args:
         arms: arms, or what `load_arm` takes.
@@ -53,9 +53,9 @@ def stress(
     makers = _makers(controllers)
     rows = []
     for arm in loaded:
-        case = scenario(arm, seed=seed)
+        scenario = stress_scenario(arm, seed=seed)
         for label, make in makers.items():
-            rows.append(run_row(case, make(arm, DT), label, duration))
+            rows.append(run_row(scenario, make(arm, DT), label, duration))
             if progress is not None:
                 progress(len(rows) / (len(loaded) * len(makers)))
     return rows

@@ -31,7 +31,7 @@ class StressRow:
         max_tail_error: largest norm of the error in the tail [rad].
         settling_time: to 10 mrad for good [s].
         torque_variation: in the tail [N·m/s].
-        saturation: share of ticks at which some joint is at its effort limit.
+        saturation_fraction: share of ticks at which some joint is at its effort limit.
         diverged: a joint left every bound, or the tail RMS error is above 0.5 rad.
     """
 
@@ -41,7 +41,7 @@ class StressRow:
     max_tail_error: float = INFINITE
     settling_time: float = INFINITE
     torque_variation: float = INFINITE
-    saturation: float = 1.0
+    saturation_fraction: float = 1.0
     diverged: bool = True
 
     def as_dict(self) -> dict[str, Any]:
@@ -49,13 +49,13 @@ class StressRow:
         return asdict(self)
 
 
-def run_row(case: Scenario, controller: Controller, label: str, duration: float) -> StressRow:
+def run_row(scenario: Scenario, controller: Controller, label: str, duration: float) -> StressRow:
     """Run a controller in a scenario and judge it; a divergence is a result too."""
     try:
-        rec = case.run(controller, duration)
+        rec = scenario.run(controller, duration)
     except DivergenceError:
-        return StressRow(arm=case.arm.name, controller=label)
-    return judge(rec, case.arm.name, label)
+        return StressRow(arm=scenario.arm.name, controller=label)
+    return judge(rec, scenario.arm.name, label)
 
 
 def judge(rec: Recording, arm: str, label: str) -> StressRow:
@@ -68,7 +68,7 @@ def judge(rec: Recording, arm: str, label: str) -> StressRow:
         max_tail_error=summary.max_tail_error,
         settling_time=summary.settling_time,
         torque_variation=summary.tail_torque_variation,
-        saturation=summary.saturation_fraction,
+        saturation_fraction=summary.saturation_fraction,
         diverged=summary.tail_rms_error > LOST,
     )
 
@@ -94,7 +94,7 @@ def cells(row: StressRow) -> tuple[str, ...]:
         _number(1e3 * row.max_tail_error),
         "never" if row.settling_time == INFINITE else f"{row.settling_time:.2f}",
         _number(row.torque_variation),
-        f"{100.0 * row.saturation:.1f}",
+        f"{100.0 * row.saturation_fraction:.1f}",
         "yes" if row.diverged else "no",
     )
 

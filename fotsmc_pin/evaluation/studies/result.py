@@ -1,4 +1,4 @@
-"""`Study`: what a study found, a row for each run."""
+"""`StudyResult`: the metrics that a study collected, a row for each run."""
 
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Study:
-    """All runs of a study, in the order of their cases, whatever order they finished in.
+class StudyResult:
+    """All runs of a study, in the order of the grid and the draws.
 
     Attributes:
         rows: the runs, failed ones too.
@@ -69,9 +69,9 @@ class Study:
         checks.choice("name", name, sorted(known))
         return np.array([row.metrics[name] for row in self.succeeded])
 
-    def where(self, parameters: Mapping[str, Any]) -> Study:
+    def where(self, parameters: Mapping[str, Any]) -> StudyResult:
         """Return the runs with these parameters, such as one point of a grid."""
-        return Study(
+        return StudyResult(
             tuple(
                 row
                 for row in self.rows

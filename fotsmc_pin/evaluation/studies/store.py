@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
     from types import TracebackType
 
-    from fotsmc_pin.evaluation.studies.cases import Case
+    from fotsmc_pin.evaluation.studies.planned_runs import PlannedRun
 
 FORMAT = 2
 
@@ -44,7 +44,9 @@ COMMIT;
 
 
 class Store:
-    """Runs by the digest of their case. One process writes; any number may read meanwhile.
+    """Finished runs, each under the digest of its `PlannedRun`.
+
+    One process writes; any number may read meanwhile.
 
     Each run is one transaction of SQLite in write-ahead mode: whatever kills the process, all
     runs written before are there. Keep the file on a local disk, not on a network share.
@@ -94,16 +96,16 @@ class Store:
         query = "SELECT key FROM runs" + ("" if failed else " WHERE error IS NULL")
         return {key for (key,) in self._database.execute(query)}
 
-    def write(self, run: str, case: Case, row: Row) -> None:
-        """Write one run, whole or not at all; it replaces one of the same case."""
-        key = case.key(run)
-        parameters = json.dumps(dict(case.parameters))
+    def write(self, run: str, planned: PlannedRun, row: Row) -> None:
+        """Write one run, whole or not at all; it replaces an earlier one of the same plan."""
+        key = planned.key(run)
+        parameters = json.dumps(dict(planned.parameters))
         with self._database:
             self._database.execute("DELETE FROM metrics WHERE key = ?", (key,))
             self._database.execute(
                 "INSERT OR REPLACE INTO runs (key, run, parameters, seed, error, seconds)"
                 " VALUES (?, ?, ?, ?, ?, ?)",
-                (key, run, parameters, case.seed, row.error, row.seconds),
+                (key, run, parameters, planned.seed, row.error, row.seconds),
             )
             self._database.executemany(
                 "INSERT INTO metrics VALUES (?, ?, ?)",

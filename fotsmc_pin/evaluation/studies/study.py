@@ -6,8 +6,8 @@ import hashlib
 from typing import TYPE_CHECKING, Any
 
 from fotsmc_pin.errors import ArgumentError
-from fotsmc_pin.evaluation.studies.cases import cases
-from fotsmc_pin.evaluation.studies.result import Study
+from fotsmc_pin.evaluation.studies.planned_runs import planned_runs
+from fotsmc_pin.evaluation.studies.result import StudyResult
 from fotsmc_pin.evaluation.studies.store import Store
 from fotsmc_pin.evaluation.studies.workers import run_all
 from fotsmc_pin.simulation.progress import reporting
@@ -16,14 +16,14 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Callable
 
-    from fotsmc_pin.evaluation.studies.cases import Draws, Grid
+    from fotsmc_pin.evaluation.studies.planned_runs import Distributions, Grid
 
 
 def study(
     run: Callable[..., Any],
     *,
     grid: Grid | None = None,
-    draws: Draws | None = None,
+    draws: Distributions | None = None,
     repeats: int = 1,
     seed: int = 0,
     jobs: int = -1,
@@ -31,7 +31,7 @@ def study(
     scheduler: str | None = None,
     retry_failed: bool = False,
     progress: bool | Callable[[float], None] = False,
-) -> Study:
+) -> StudyResult:
     """Run every point of a grid, each with random draws, and collect their metrics.
 
     All points of the grid meet the same draws. The results do not depend on the number of
@@ -63,18 +63,18 @@ def study(
     """
     if jobs == 0 or isinstance(jobs, bool) or not isinstance(jobs, int):
         raise ArgumentError("jobs", jobs, "give a number of processes, or -1 for one per core")
-    wanted = cases(grid or {}, draws or {}, repeats, seed)
+    wanted = planned_runs(grid or {}, draws or {}, repeats, seed)
     name = identity(run)
     with Store(store) as kept, reporting(progress, "study") as report:
         done = kept.finished(failed=not retry_failed)
-        missing = [case for case in wanted if case.key(name) not in done]
+        missing = [planned for planned in wanted if planned.key(name) not in done]
         finished = len(wanted) - len(missing)
         report(finished / len(wanted))
-        for case, row in run_all(run, missing, jobs=jobs, scheduler=scheduler):
-            kept.write(name, case, row)
+        for planned, row in run_all(run, missing, jobs=jobs, scheduler=scheduler):
+            kept.write(name, planned, row)
             finished += 1
             report(finished / len(wanted))
-        return Study(tuple(kept.read(case.key(name) for case in wanted)))
+        return StudyResult(tuple(kept.read(planned.key(name) for planned in wanted)))
 
 
 def identity(run: Callable[..., Any]) -> str:

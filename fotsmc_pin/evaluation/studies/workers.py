@@ -18,49 +18,51 @@ from fotsmc_pin.evaluation.studies.result import Row
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
-    from fotsmc_pin.evaluation.studies.cases import Case
+    from fotsmc_pin.evaluation.studies.planned_runs import PlannedRun
 
     Run = Callable[..., Any]
 
 
-def run_case(run: Run, case: Case) -> Row:
-    """Run one case; an error becomes part of the row."""
+def carry_out(run: Run, planned: PlannedRun) -> Row:
+    """Carry out a planned run; an error becomes part of the row."""
     started = time.perf_counter()
     metrics: dict[str, float] = {}
     error = None
     try:
-        outcome = run(dict(case.parameters), case.seed)
+        outcome = run(dict(planned.parameters), planned.seed)
         outcome = outcome.as_dict() if hasattr(outcome, "as_dict") else dict(outcome)
         metrics = {name: float(value) for name, value in outcome.items()}
     except Exception as raised:  # A study outlives every run: whatever it was, it is noted.
         error = f"{type(raised).__name__}: {raised}"
     took = time.perf_counter() - started
     return Row(
-        parameters=case.parameters, seed=case.seed, metrics=metrics, error=error, seconds=took
+        parameters=planned.parameters, seed=planned.seed, metrics=metrics, error=error, seconds=took
     )
 
 
 def run_all(
-    run: Run, cases: Sequence[Case], *, jobs: int, scheduler: str | None
-) -> Iterator[tuple[Case, Row]]:
-    """Yield each case with its row as soon as it is done, in any order.
+    run: Run, wanted: Sequence[PlannedRun], *, jobs: int, scheduler: str | None
+) -> Iterator[tuple[PlannedRun, Row]]:
+    """Yield each planned run with its row as soon as it is done, in any order.
 
-    `run`, and with it every model, goes to a worker once, not with each case.
+    `run`, and with it every model, goes to a worker once, not with each planned run.
     """
-    if scheduler is None and (jobs == 1 or len(cases) < 2):
-        yield from ((case, run_case(run, case)) for case in cases)
+    if scheduler is None and (jobs == 1 or len(wanted) < 2):
+        yield from ((planned, carry_out(run, planned)) for planned in wanted)
         return
     workers = _processes(run, jobs) if scheduler is None else _cluster(run, scheduler)
     with workers as (there, options):
-        tasks = (joblib.delayed(_run_numbered)(there, k, case) for k, case in enumerate(cases))
+        tasks = (
+            joblib.delayed(_run_numbered)(there, k, planned) for k, planned in enumerate(wanted)
+        )
         parallel = joblib.Parallel(**options, batch_size=1, return_as="generator_unordered")
         for k, row in parallel(tasks):
-            yield cases[k], row
+            yield wanted[k], row
 
 
-def _run_numbered(there: Any, number: int, case: Case) -> tuple[int, Row]:
+def _run_numbered(there: Any, number: int, planned: PlannedRun) -> tuple[int, Row]:
     run = there.get() if isinstance(there, OnDisk) else there
-    return number, run_case(run, case)
+    return number, carry_out(run, planned)
 
 
 @contextmanager

@@ -84,9 +84,9 @@ def tune(
     trials = checks.count("trials", trials)
     space = search_space(law, start)
     about = {"law": law.__name__, "objective": objective, "largest_torque": largest_torque}
-    study = _open_study(optuna, path, seed, about)
-    if not study.trials:
-        study.enqueue_trial(
+    search = _open_search(optuna, path, seed, about)
+    if not search.trials:
+        search.enqueue_trial(
             {name: min(max(start[name], span.low), span.high) for name, span in space.items()}
         )
 
@@ -98,8 +98,8 @@ def tune(
             return LOST, LOST
         return min(getattr(summary, objective), LOST), summary.tail_torque_variation
 
-    while (done := len(_finished(optuna, study))) < trials:
-        study.optimize(cost, n_trials=1)
+    while (done := len(_finished(optuna, search))) < trials:
+        search.optimize(cost, n_trials=1)
         if progress is not None:
             progress((done + 1) / trials)
     return sorted(
@@ -110,35 +110,37 @@ def tune(
                 torque_variation=trial.values[1],
                 trial=trial.number,
             )
-            for trial in study.best_trials
+            for trial in search.best_trials
             if trial.values[0] < LOST
         ),
         key=lambda point: point.error,
     )
 
 
-def _open_study(optuna: Any, path: str | os.PathLike[str], seed: int, about: dict[str, Any]) -> Any:
-    """Return the study in the file, made if it is new; another search's file is refused."""
+def _open_search(
+    optuna: Any, path: str | os.PathLike[str], seed: int, about: dict[str, Any]
+) -> Any:
+    """Return the search in the file, made if it is new; another search's file is refused."""
     backend = optuna.storages.journal.JournalFileBackend(str(path))
-    study = optuna.create_study(
+    search = optuna.create_study(
         storage=optuna.storages.JournalStorage(backend),
         study_name="tune",
         sampler=optuna.samplers.TPESampler(seed=seed),
         directions=["minimize", "minimize"],
         load_if_exists=True,
     )
-    before = study.user_attrs.get("about")
+    before = search.user_attrs.get("about")
     if before is None:
-        study.set_user_attr("about", about)
+        search.set_user_attr("about", about)
     elif before != about:
         raise ArgumentError(
             "path", str(path), f"holds a search of {before}; name another file or ask for the same"
         )
-    return study
+    return search
 
 
-def _finished(optuna: Any, study: Any) -> list[Any]:
-    finished: list[Any] = study.get_trials(
+def _finished(optuna: Any, search: Any) -> list[Any]:
+    finished: list[Any] = search.get_trials(
         deepcopy=False, states=(optuna.trial.TrialState.COMPLETE,)
     )
     return finished

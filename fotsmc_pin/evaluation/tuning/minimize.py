@@ -41,15 +41,17 @@ def minimize(
     """
     optuna = require_optuna()
     trials = checks.count("trials", trials)
-    study = optuna.create_study(sampler=optuna.samplers.TPESampler(seed=seed))
-    study.enqueue_trial(dict(start))
+    search = optuna.create_study(sampler=optuna.samplers.TPESampler(seed=seed))
+    search.enqueue_trial(dict(start))
 
     def report(_: Any, trial: Any) -> None:
         if progress is not None:
             progress((trial.number + 1) / trials)
 
-    study.optimize(lambda trial: cost(suggested(trial, space)), n_trials=trials, callbacks=[report])
-    best: dict[str, float] = study.best_params
+    search.optimize(
+        lambda trial: cost(suggested(trial, space)), n_trials=trials, callbacks=[report]
+    )
+    best: dict[str, float] = search.best_params
     return best
 
 

@@ -10,11 +10,11 @@ from fotsmc_pin.evaluation.stress import (
     VARIANTS,
     ablate,
     best_pid,
-    draw_case,
     markdown,
-    run_draws,
-    scenario,
+    random_scenario,
+    run_random_scenarios,
     stress,
+    stress_scenario,
 )
 from fotsmc_pin.evaluation.stress.scenario import DT
 from fotsmc_pin.evaluation.stress.table import StressRow, run_row
@@ -38,31 +38,31 @@ class Pusher:
 class TestScenario:
     def test_the_plant_is_heavier_and_rubs(self):
         arm = fp.load_arm("panda")
-        case = scenario(arm)
-        masses = [sum(i.mass for i in each.model.inertias[1:]) for each in (arm, case.true)]
+        scenario = stress_scenario(arm)
+        masses = [sum(i.mass for i in each.model.inertias[1:]) for each in (arm, scenario.true)]
         assert masses[1] == pytest.approx(1.3 * masses[0] + 3.0)
         # The wrist's limit is 12 N·m, below 20.
-        np.testing.assert_allclose(case.true.friction, [0.5] * 4 + [0.3] * 3)
-        np.testing.assert_allclose(case.true.damping, [0.5] * 4 + [0.3] * 3)
-        start = arm.difference(case.reference(0.0)[0], case.q0)
+        np.testing.assert_allclose(scenario.true.friction, [0.5] * 4 + [0.3] * 3)
+        np.testing.assert_allclose(scenario.true.damping, [0.5] * 4 + [0.3] * 3)
+        start = arm.difference(scenario.reference(0.0)[0], scenario.q0)
         np.testing.assert_allclose(start, 0.2, atol=1e-12)
 
     def test_an_arm_without_a_rating_carries_a_tenth_of_its_mass(self):
         arm = fp.load_arm("two_link")
-        case = scenario(arm)
-        masses = [sum(i.mass for i in each.model.inertias[1:]) for each in (arm, case.true)]
+        scenario = stress_scenario(arm)
+        masses = [sum(i.mass for i in each.model.inertias[1:]) for each in (arm, scenario.true)]
         assert masses[1] == pytest.approx(1.4 * masses[0])
 
     def test_one_seed_gives_one_run(self):
-        case = scenario(fp.load_arm("two_link"), seed=3)
-        runs = [case.run(RobustFONFTSM(case.arm, DT), 0.3) for _ in range(2)]
+        scenario = stress_scenario(fp.load_arm("two_link"), seed=3)
+        runs = [scenario.run(RobustFONFTSM(scenario.arm, DT), 0.3) for _ in range(2)]
         np.testing.assert_array_equal(runs[0].tau, runs[1].tau)
-        other = scenario(fp.load_arm("two_link"), seed=4)
-        assert (other.run(RobustFONFTSM(case.arm, DT), 0.3).tau != runs[0].tau).any()
+        other = stress_scenario(fp.load_arm("two_link"), seed=4)
+        assert (other.run(RobustFONFTSM(scenario.arm, DT), 0.3).tau != runs[0].tau).any()
 
     def test_an_arm_that_cannot_hold_itself_warns_before_the_run(self):
         with pytest.warns(GravityWarning, match="talos_arm: gravity exceeds"):
-            scenario(fp.load_arm("talos_arm"))
+            stress_scenario(fp.load_arm("talos_arm"))
 
 
 @pytest.mark.parametrize(
@@ -88,20 +88,20 @@ class TestStress:
             stress(["two_link"], ["RobustFONTSM"])
 
     def test_a_divergence_is_a_row(self):
-        case = scenario(fp.load_arm("so100"))
-        row = run_row(case, Pusher(case.arm), "pusher", 2.0)
+        scenario = stress_scenario(fp.load_arm("so100"))
+        row = run_row(scenario, Pusher(scenario.arm), "pusher", 2.0)
         assert row.diverged
         assert "| yes |" in markdown([row])
 
 
 def test_the_search_is_never_worse_than_where_it_starts():
     pytest.importorskip("optuna")
-    case = scenario(fp.load_arm("asr_twodof"))
-    preset = ComputedTorque(case.arm, DT, preset="pid")
-    start = run_row(case, preset, "start", 1.0)
-    row, gains = best_pid(case, trials=6, duration=1.0)
+    scenario = stress_scenario(fp.load_arm("asr_twodof"))
+    preset = ComputedTorque(scenario.arm, DT, preset="pid")
+    start = run_row(scenario, preset, "start", 1.0)
+    row, gains = best_pid(scenario, trials=6, duration=1.0)
     assert row.tail_rms_error <= start.tail_rms_error
-    again = run_row(case, ComputedTorque(case.arm, DT, **gains), row.controller, 1.0)
+    again = run_row(scenario, ComputedTorque(scenario.arm, DT, **gains), row.controller, 1.0)
     assert again == row
 
 
@@ -119,20 +119,20 @@ def test_the_ablation_switches_one_ingredient_off_at_a_time():
     assert all(len(changed) == 1 for changed in seen[1:])
 
 
-class TestDraws:
-    def test_a_seed_replays_its_draw(self):
+class TestRandomScenarios:
+    def test_a_seed_gives_its_scenario_again(self):
         arm = fp.load_arm("panda")
-        first, second = draw_case(arm, 5), draw_case(arm, 5)
+        first, second = random_scenario(arm, 5), random_scenario(arm, 5)
         assert first.true == second.true
         assert (first.delay, first.position_noise) == (second.delay, second.position_noise)
         np.testing.assert_array_equal(first.q0, second.q0)
-        assert draw_case(arm, 6).true != first.true
+        assert random_scenario(arm, 6).true != first.true
 
     def test_the_worst_comes_first_and_can_be_run_alone(self):
         arm = fp.load_arm("panda")
-        done = run_draws(arm, 4, duration=1.0)
-        tails = [draw.row.tail_rms_error for draw in done]
+        done = run_random_scenarios(arm, 4, duration=1.0)
+        tails = [found.row.tail_rms_error for found in done]
         assert tails == sorted(tails, reverse=True)
-        assert not any(draw.row.diverged for draw in done)
-        alone = run_draws(arm, 1, first_seed=done[0].seed, duration=1.0)
+        assert not any(found.row.diverged for found in done)
+        alone = run_random_scenarios(arm, 1, first_seed=done[0].seed, duration=1.0)
         assert alone == done[:1]

@@ -8,7 +8,7 @@ from pathlib import Path
 
 
 def noisy_square(parameters, seed):
-    """The metrics depend on every bit of the case."""
+    """The metrics depend on every bit of what is planned."""
     x = parameters.get("x", 0.0)
     return {"square": x * x / 3.0, "seed": seed}
 

@@ -16,7 +16,7 @@ import pytest
 
 import fotsmc_pin as fp
 from fotsmc_pin.errors import ArgumentError, StudyError
-from fotsmc_pin.evaluation.studies.result import Row, Study
+from fotsmc_pin.evaluation.studies.result import Row, StudyResult
 from tests.evaluation.studies import runs
 
 GRID = {"x": [0.1, 0.2, 0.7]}
@@ -165,14 +165,14 @@ def test_a_file_that_is_no_store_is_refused_and_left_alone(tmp_path):
 def test_the_worst_run_and_the_quantiles_are_runs():
     values = [3.0, 1.0, np.inf, 2.0]
     rows = [Row(parameters={}, seed=k, metrics={"e": v}) for k, v in enumerate(values)]
-    found = Study((*rows, Row(parameters={}, seed=9, error="lost")))
+    found = StudyResult((*rows, Row(parameters={}, seed=9, error="lost")))
     assert found.worst("e").seed == 2
     assert found.worst("e", key=lambda e: -e).seed == 1
     assert found.quantiles("e", (0.0, 0.5, 1.0)).tolist() == [1.0, 3.0, np.inf]
     with pytest.raises(ArgumentError, match="name"):
         found.metric("f")
     lost = Row(parameters={}, seed=0, metrics={"e": np.nan})
-    assert Study((*found.rows, lost)).worst("e") in (found.rows[2], lost)
+    assert StudyResult((*found.rows, lost)).worst("e") in (found.rows[2], lost)
 
 
 def test_infinite_metrics_and_missing_ones_come_back_from_the_store(tmp_path):

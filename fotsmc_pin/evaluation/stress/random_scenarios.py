@@ -1,4 +1,4 @@
-"""Random draws of perturbation, noise, friction, delay and start: each is its seed."""
+"""Scenarios with random perturbation, noise, friction, delay and start, each from its own seed."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from fotsmc_pin import checks
 from fotsmc_pin.arms import perturb
-from fotsmc_pin.arms.draw import Uniform
+from fotsmc_pin.arms.random_numbers import Uniform
 from fotsmc_pin.control import CONTROLLERS, Controller, RobustFONFTSM
 from fotsmc_pin.evaluation.stress.payloads import stress_payload
 from fotsmc_pin.evaluation.stress.scenario import DT, Scenario
@@ -25,11 +25,11 @@ DURATION = 4.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class Draw:
-    """One draw and what it came to.
+class SeededRow:
+    """The result in a random scenario, and the seed that makes the scenario again.
 
     Attributes:
-        seed: from which `draw_case` makes the same scenario again.
+        seed: of `random_scenario`.
         row: the result.
     """
 
@@ -37,12 +37,12 @@ class Draw:
     row: StressRow
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the draw as plain data."""
+        """Return seed and result as plain data."""
         return {"seed": self.seed, **asdict(self.row)}
 
 
-def draw_case(arm: Arm, seed: int) -> Scenario:
-    """Return the scenario of one seed.
+def random_scenario(arm: Arm, seed: int) -> Scenario:
+    """Return a scenario whose every number is drawn from one seed.
 
     Evenly drawn: for each link a factor of 0.7 to 1.5 on its mass and a centre of mass up to 20 mm
     away, a payload up to the rated one, for each joint a Coulomb friction up to 1 N·m and a viscous
@@ -52,7 +52,7 @@ def draw_case(arm: Arm, seed: int) -> Scenario:
 
     Args:
         arm: the nominal arm.
-        seed: of the draw.
+        seed: of the numbers.
     """
     rng = np.random.default_rng([checks.count("seed", seed, at_least=0), 7])
     true = perturb(
@@ -77,31 +77,31 @@ def draw_case(arm: Arm, seed: int) -> Scenario:
     )
 
 
-def run_draws(
+def run_random_scenarios(
     arm: Arm,
-    draws: int = 1000,
+    count: int = 1000,
     *,
     law: type[Controller] | str = RobustFONFTSM,
     first_seed: int = 0,
     duration: float = DURATION,
     progress: Callable[[float], None] | None = None,
-) -> list[Draw]:
-    """Run a law on many draws, worst first: diverged ones, then by tail RMS error.
+) -> list[SeededRow]:
+    """Run a law in many random scenarios, worst first: diverged ones, then by tail RMS error.
 
     Args:
         arm: the nominal arm.
-        draws: how many.
+        count: number of scenarios.
         law: the law, or its name, with its default gains.
-        first_seed: the draws have this seed and those after it.
+        first_seed: seed of the first scenario; the others have the seeds after it.
         duration: simulated time of each run [s].
         progress: is told the fraction done.
     """
     if isinstance(law, str):
         law = CONTROLLERS[checks.choice("law", law, [*CONTROLLERS])]
     controller, done = law(arm, DT), []
-    for seed in range(first_seed, first_seed + checks.count("draws", draws)):
-        row = run_row(draw_case(arm, seed), controller, law.__name__, duration)
-        done.append(Draw(seed=seed, row=row))
+    for seed in range(first_seed, first_seed + checks.count("count", count)):
+        row = run_row(random_scenario(arm, seed), controller, law.__name__, duration)
+        done.append(SeededRow(seed=seed, row=row))
         if progress is not None:
-            progress(len(done) / draws)
-    return sorted(done, key=lambda draw: (not draw.row.diverged, -draw.row.tail_rms_error))
+            progress(len(done) / count)
+    return sorted(done, key=lambda found: (not found.row.diverged, -found.row.tail_rms_error))

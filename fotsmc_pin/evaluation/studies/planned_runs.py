@@ -1,4 +1,4 @@
-"""`Case`: one run of a study, and the cases that a grid and random draws make."""
+"""`PlannedRun`: one run of a study; and all those that a grid and random draws make."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 Grid: TypeAlias = Mapping[str, Sequence[Any]]
-Draws: TypeAlias = Mapping[str, "Uniform | Sequence[Any]"]
+Distributions: TypeAlias = Mapping[str, "Uniform | Sequence[Any]"]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Case:
+class PlannedRun:
     """One run: what is different in it, and where its random numbers come from.
 
     Attributes:
@@ -35,12 +35,12 @@ class Case:
     seed: int
 
     def key(self, run: str) -> str:
-        """Return a digest of the case and of the name of what is run."""
+        """Return a digest of the planned run and of the name of what is run."""
         text = json.dumps([run, dict(self.parameters), self.seed], sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()
 
 
-def cases(grid: Grid, draws: Draws, repeats: int, seed: int) -> list[Case]:
+def planned_runs(grid: Grid, draws: Distributions, repeats: int, seed: int) -> list[PlannedRun]:
     """Return every point of `grid`, each with `repeats` draws.
 
     The draw of a name depends on the seed, the number of the repeat and the name alone. So all
@@ -60,7 +60,7 @@ def cases(grid: Grid, draws: Draws, repeats: int, seed: int) -> list[Case]:
         for name, values in table.items():
             _check(f"{argument} {name!r}", values, drawn=table is draws)
     return [
-        Case(parameters={**point, **_draw(draws, seed, repeat)}, seed=_run_seed(seed, repeat))
+        PlannedRun(parameters={**point, **_draw(draws, seed, repeat)}, seed=_run_seed(seed, repeat))
         for point in _points(grid)
         for repeat in range(repeats)
     ]
@@ -78,7 +78,7 @@ def _points(grid: Grid) -> Iterator[dict[str, Any]]:
         yield dict(zip(grid, values, strict=True))
 
 
-def _draw(draws: Draws, seed: int, repeat: int) -> dict[str, Any]:
+def _draw(draws: Distributions, seed: int, repeat: int) -> dict[str, Any]:
     drawn: dict[str, Any] = {}
     for name, values in draws.items():
         rng = np.random.default_rng([seed, repeat, *name.encode()])

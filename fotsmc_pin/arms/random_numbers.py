@@ -42,8 +42,8 @@ PerLink: TypeAlias = "Number | Mapping[str, Number]"
 Value = TypeVar("Value")
 
 
-class Draw:
-    """Draws from a seed, each purpose from its own stream.
+class RandomNumbers:
+    """Random numbers from one seed, each purpose from its own stream.
 
     Changing one argument of a perturbation so leaves the draws of all others alone.
     """
@@ -53,17 +53,17 @@ class Draw:
         self.seed = None if seed is None else count("seed", seed, at_least=0)
         self.used = False
 
-    def stream(self, purpose: str) -> Stream:
+    def stream(self, purpose: str) -> RandomStream:
         """Return the stream of a purpose, always the same one for a seed."""
-        return Stream(self, purpose)
+        return RandomStream(self, purpose)
 
 
-class Stream:
-    """Draws for one purpose."""
+class RandomStream:
+    """Random numbers for one purpose."""
 
-    def __init__(self, draw: Draw, purpose: str) -> None:
-        """Belong to `draw` and speak of `purpose` in messages."""
-        self._draw, self._purpose = draw, purpose
+    def __init__(self, source: RandomNumbers, purpose: str) -> None:
+        """Draw from the seed of `source`, and name `purpose` in messages."""
+        self._source, self._purpose = source, purpose
         self._rng: np.random.Generator | None = None
 
     def number(self, given: Number) -> float:
@@ -80,12 +80,12 @@ class Stream:
     @property
     def rng(self) -> np.random.Generator:
         """The generator; asking for it demands a seed."""
-        if self._draw.seed is None:
+        if self._source.seed is None:
             raise ArgumentError("seed", None, f"{self._purpose} is drawn at random: give a seed")
         if self._rng is None:
-            key = [self._draw.seed, *self._purpose.encode()]
+            key = [self._source.seed, *self._purpose.encode()]
             self._rng = np.random.default_rng(key)
-            self._draw.used = True
+            self._source.used = True
         return self._rng
 
 
