@@ -82,6 +82,6 @@ def _payload(arm: Arm, configurations: list[Array], gravity: Array) -> float:
         per_kilogram = -jacobian[:3].T @ arm.model.gravity.linear
         heavier = np.abs(per_kilogram) > 1e-9
         # The load grows towards the limit that lies in its direction.
-        room = arm.effort_limit - np.sign(per_kilogram) * load
-        least = min(least, np.min(room[heavier] / np.abs(per_kilogram[heavier]), initial=np.inf))
+        margin = arm.effort_limit - np.sign(per_kilogram) * load
+        least = min(least, np.min(margin[heavier] / np.abs(per_kilogram[heavier]), initial=np.inf))
     return max(0.0, float(least))

@@ -132,7 +132,7 @@ def cost(entry: Contestant, gains: Mapping[str, Any]) -> float:
     return summary.itae + (PRICE * (1.0 + excess) if excess > 0.0 else 0.0)
 
 
-def tune(entry: Contestant) -> Tuned:
+def tune_contestant(entry: Contestant) -> Tuned:
     """Search the contestant's gains on the case itself; never worse than its own defaults."""
     held = {name for name in entry.start if name == "alpha" and entry.name != entry.law}
     found = search_gains(

@@ -18,7 +18,7 @@ CLOSE_ENOUGH = 1e-9
 
 
 @kernel
-def rub(
+def apply_friction(
     h: float, inverse_mass: Array, friction: Array, damping: Array, impulse: Array, v: Array
 ) -> None:
     """Move `v` from the speed without friction to the speed with it, after a step of `h` seconds.

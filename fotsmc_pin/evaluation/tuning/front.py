@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 OBJECTIVES = ("tail_rms_error", "max_tail_error", "rms_error", "settling_time", "iae", "itae")
 """Metrics of a `Summary` that may be made small beside the torque variation."""
-LOST = 1e6
+FAILED = 1e6
 """Both objectives of a run that diverged or broke its torque limit."""
 
 
@@ -93,10 +93,10 @@ def tune(
     def cost(trial: Any) -> tuple[float, float]:
         summary = run(suggested(trial, space))
         if summary is None:
-            return LOST, LOST
+            return FAILED, FAILED
         if largest_torque is not None and summary.peak_torque > largest_torque:
-            return LOST, LOST
-        return min(getattr(summary, objective), LOST), summary.tail_torque_variation
+            return FAILED, FAILED
+        return min(getattr(summary, objective), FAILED), summary.tail_torque_variation
 
     while (done := len(_finished(optuna, search))) < trials:
         search.optimize(cost, n_trials=1)
@@ -111,7 +111,7 @@ def tune(
                 trial=trial.number,
             )
             for trial in search.best_trials
-            if trial.values[0] < LOST
+            if trial.values[0] < FAILED
         ),
         key=lambda point: point.error,
     )

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from fotsmc_pin.types import Array, Reference
 
 
-def targets(reference: Reference, t: Array, arm: Arm) -> tuple[Array, Array, Array]:
+def reference_values(reference: Reference, t: Array, arm: Arm) -> tuple[Array, Array, Array]:
     """Return `q_d` (N, nq), `v_d` and `a_d` (N, nv) at the times `t` (N,).
 
     A reference with a method `at(t)` that returns these is asked once; any other is called for
