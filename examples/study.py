@@ -10,12 +10,14 @@ import fotsmc_pin as fp
 from fotsmc_pin.view import distribution_figure, save_figure
 
 
-def main(out: Path = Path("out/study"), repeats: int = 500, duration: float = 3.0) -> fp.Study:
+def main(
+    out: Path = Path("out/study"), repeats: int = 500, duration: float = 3.0
+) -> fp.StudyResult:
     """Run two controllers through the same `repeats` draws, `duration` [s] each."""
     out.mkdir(parents=True, exist_ok=True)
     run = fp.ClosedLoop(arm=fp.load_arm("panda"), duration=duration)
     controllers = ["RobustFONFTSM", "ComputedTorque"]
-    study = fp.study(
+    result = fp.study(
         run,
         grid={"controller": controllers},
         draws={
@@ -28,13 +30,13 @@ def main(out: Path = Path("out/study"), repeats: int = 500, duration: float = 3.
         store=out / "study.sqlite",
         progress=True,
     )
-    print(f"{len(study)} runs, {len(study.failed)} failed")
+    print(f"{len(result)} runs, {len(result.failed)} failed")
 
-    groups = {name: study.where({"controller": name}) for name in controllers}
+    groups = {name: result.where({"controller": name}) for name in controllers}
     for name, group in groups.items():
         median, worst = 1e3 * group.quantiles("tail_rms_error", (0.5, 1.0))
         print(f"{name}: median {median:.3g} mrad, worst {worst:.3g} mrad RMS in the last half")
-    errors = {name: group.figure("tail_rms_error") for name, group in groups.items()}
+    errors = {name: group.metric("tail_rms_error") for name, group in groups.items()}
     figure = distribution_figure(errors, "RMS error, last half", "mrad", scale=1e3)
     save_figure(figure, out / "distribution")
 
@@ -44,7 +46,7 @@ def main(out: Path = Path("out/study"), repeats: int = 500, duration: float = 3.
     rec = run.record(worst_run.parameters, worst_run.seed)
     fp.plot(rec, out / "worst")
     fp.export_html(rec, out / "worst.html")
-    return study
+    return result
 
 
 if __name__ == "__main__":

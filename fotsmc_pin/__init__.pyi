@@ -29,8 +29,8 @@ from .fractional import (
 )
 from .simulation import Recording as Recording, simulate as simulate
 from .analysis import Summary as Summary, summarize as summarize
-from .studies import ClosedLoop as ClosedLoop, Study as Study, study as study
-from .stress_suite import stress as stress
+from .evaluation.studies import ClosedLoop as ClosedLoop, StudyResult as StudyResult, study as study
+from .evaluation.stress import stress as stress
 from .realtime import run_realtime as run_realtime
 from .view import export_html as export_html, plot as plot
 

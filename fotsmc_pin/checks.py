@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,9 +12,9 @@ from fotsmc_pin.errors import ArgumentError
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
-    Vector: TypeAlias = NDArray[np.float64]
+    from fotsmc_pin.types import Array
 
 
 def finite_number(
@@ -61,14 +61,14 @@ def count(name: str, value: int, *, at_least: int = 1) -> int:
     return int(value)
 
 
-def finite_vector(name: str, value: ArrayLike, size: int) -> Vector:
+def finite_vector(name: str, value: ArrayLike, size: int) -> Array:
     """Return a fresh float64 vector of shape `(size,)` with finite entries."""
     return finite_array(name, value, (size,))
 
 
 def finite_array(
     name: str, value: ArrayLike, shape: tuple[int, ...], *, unlimited: bool = False
-) -> Vector:
+) -> Array:
     """Return a fresh float64 array of this shape with finite entries, or inf where `unlimited`."""
     try:
         array = np.array(value, dtype=np.float64)
@@ -89,7 +89,7 @@ def per_joint(
     above: float = -math.inf,
     at_least: float = -math.inf,
     unlimited: bool = False,
-) -> Vector:
+) -> Array:
     """Return a vector with one entry per joint; a scalar stands for all of them.
 
     Where `unlimited`, inf is an entry like any other.

@@ -1,11 +1,27 @@
-"""The types that every package shares."""
+"""Types that signatures of every package share: arrays, and what a simulation is given to call.
+
+`t` is the time [s]. Configurations `q` are (nq,); velocities, accelerations and torques are (nv,).
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 Array: TypeAlias = NDArray[np.float64]
-"""Numbers: a vector with an entry per joint, or a table."""
+"""Floats of any shape; docstrings give the shape."""
+
+Reference: TypeAlias = Callable[[float], tuple[Array, Array, Array]]
+"""`t -> (q_d, v_d, a_d)`: the desired motion as a function of time."""
+
+Disturbance: TypeAlias = Callable[[float], ArrayLike]
+"""`t -> (nv,)`: torque that is added at the joints [N·m, N]."""
+
+Sensor: TypeAlias = Callable[[float, Array, Array], tuple[Array, Array]]
+"""`(t, q, v) -> (q, v)`: what a controller is told of the true state."""
+
+Actuator: TypeAlias = Callable[[float, Array], Array]
+"""`(t, tau) -> tau`: what becomes of a controller's torque."""

@@ -1,4 +1,4 @@
-"""Imports go one way, and the heavy libraries stay in their rooms: read from the source."""
+"""Imports go one way, and the heavy libraries stay in few packages: read from the source."""
 
 import ast
 import subprocess
@@ -8,7 +8,10 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1] / "fotsmc_pin"
-GROUND = {"errors", "checks", "compiled", "files"}
+GROUND = {"errors", "checks", "compiled", "files", "types"}
+
+LARGEST_TOP_LEVEL = 14
+"""So many packages can be read at a glance."""
 
 MAY_IMPORT = {
     "fractional": set(),
@@ -17,9 +20,21 @@ MAY_IMPORT = {
     "control": {"fractional", "arms", "references"},
     "simulation": {"control", "fractional", "arms", "references"},
     "analysis": {"simulation", "control", "fractional", "arms", "references"},
+    "realtime": {"simulation", "control", "fractional", "arms", "references"},
+    "evaluation": {"analysis", "simulation", "control", "fractional", "arms", "references"},
     "view": {"analysis", "simulation", "control", "fractional", "arms", "references"},
+    "paper": {
+        "view",
+        "evaluation",
+        "analysis",
+        "simulation",
+        "control",
+        "fractional",
+        "arms",
+        "references",
+    },
 }
-"""What each room may import at all, also inside functions; the rooms above these may import any."""
+"""What each package may import at all, also inside functions; `cli` may import any."""
 
 # References: a straight line of the tool needs inverse kinematics.
 KEEPERS = {
@@ -31,7 +46,7 @@ LATE = {"meshcat", "matplotlib"}
 """Libraries that are imported when called, and not when the library is."""
 
 
-def room_of(path):
+def package_of(path):
     return path.relative_to(ROOT).parts[0].removesuffix(".py")
 
 
@@ -63,41 +78,59 @@ def ancestors(node):
         yield node
 
 
-def modules(*rooms):
-    return [path for path in sorted(ROOT.rglob("*.py")) if not rooms or room_of(path) in rooms]
+def modules(*packages):
+    return [
+        path for path in sorted(ROOT.rglob("*.py")) if not packages or package_of(path) in packages
+    ]
 
 
-def room_imported(name):
+def package_imported(name):
     parts = name.split(".")
     return parts[1] if parts[0] == "fotsmc_pin" and len(parts) > 1 else None
 
 
-@pytest.mark.parametrize("room", sorted(MAY_IMPORT))
-def test_a_room_imports_only_what_lies_below_it(room):
-    allowed = MAY_IMPORT[room] | GROUND | {room}
+@pytest.mark.parametrize("package", sorted(MAY_IMPORT))
+def test_a_package_imports_only_what_lies_below_it(package):
+    allowed = MAY_IMPORT[package] | GROUND | {package}
     found = {
         (path.name, name)
-        for path in modules(room)
+        for path in modules(package)
         for name, _ in imports(path)
-        if room_imported(name) not in {None, *allowed}
+        if package_imported(name) not in {None, *allowed}
     }
     assert not found
 
 
-@pytest.mark.parametrize("room", sorted(MAY_IMPORT))
-def test_there_is_something_to_hold(room):
-    assert any(room_imported(name) for path in modules(room) for name, _ in imports(path))
+@pytest.mark.parametrize("package", sorted(MAY_IMPORT))
+def test_there_is_something_to_hold(package):
+    assert any(package_imported(name) for path in modules(package) for name, _ in imports(path))
+
+
+def test_every_package_has_its_place():
+    packages = {path.parent.name for path in ROOT.glob("*/__init__.py")}
+    assert packages == {*MAY_IMPORT, "cli"}
+    assert len(packages) <= LARGEST_TOP_LEVEL
+
+
+def test_inside_evaluation_only_the_stress_scenarios_tune():
+    between = {
+        (path.relative_to(ROOT).parts[1], name.split(".")[2])
+        for path in modules("evaluation")
+        for name, _ in imports(path)
+        if name.startswith("fotsmc_pin.evaluation.")
+    }
+    assert {pair for pair in between if pair[0] != pair[1]} == {("stress", "tuning")}
 
 
 def test_the_ground_imports_nothing_above_it():
     for path in modules(*GROUND):
-        assert {room_imported(name) for name, _ in imports(path)} <= {None, *GROUND}
+        assert {package_imported(name) for name, _ in imports(path)} <= {None, *GROUND}
 
 
 @pytest.mark.parametrize("library", sorted(KEEPERS))
 def test_only_their_keepers_know_the_heavy_libraries(library):
     knowing = {
-        room_of(path)
+        package_of(path)
         for path in modules()
         for name, _ in imports(path)
         if name.split(".")[0] == library

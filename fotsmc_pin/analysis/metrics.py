@@ -11,11 +11,9 @@ from scipy.integrate import trapezoid
 from fotsmc_pin import checks
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from fotsmc_pin.simulation import Recording
+    from fotsmc_pin.types import Array
 
-    Array = NDArray[np.float64]
 
 AT_LIMIT = 1.0 - 1e-9
 
@@ -39,7 +37,7 @@ UNITS = {
     "saturation_fraction": "–",
     "duration": "s",
 }
-"""Units of the figures of `Summary`, for an arm whose joints all turn."""
+"""Units of the metrics in a `Summary`, for an arm whose joints all turn."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,12 +88,12 @@ class Summary:
     duration: float
 
     def as_dict(self) -> dict[str, float]:
-        """Return all figures by name."""
+        """Return all metrics by name."""
         return asdict(self)
 
 
 def summarize(rec: Recording) -> Summary:
-    """Judge a run; every figure's definition stands in `Summary`."""
+    """Judge a run; `Summary` defines every metric."""
     t, error, tau = rec.t, rec.error_norm, rec.tau
     tail = t >= t[0] + 0.5 * (t[-1] - t[0])
     limited = np.abs(tau) >= AT_LIMIT * rec.arm.effort_limit

@@ -11,9 +11,10 @@ from fotsmc_pin import checks
 from fotsmc_pin.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
-    Array = NDArray[np.float64]
+    from fotsmc_pin.types import Array
+
 
 SMALLEST_ORDER = 0.01
 """Below this the integral of `surface_decay` needs too many points; 0 itself needs none."""

@@ -23,10 +23,9 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from os import PathLike
 
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
-    Vector = NDArray[np.float64]
-    Matrix = NDArray[np.float64]
+    from fotsmc_pin.types import Array
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -147,63 +146,63 @@ class Arm:
     # Numbers per joint
 
     @cached_property
-    def effort_limit(self) -> Vector:
+    def effort_limit(self) -> Array:
         """Largest effort of each joint, (nv,) [N·m or N], inf where not given."""
         return self._per_joint("effort_limit")
 
     @cached_property
-    def velocity_limit(self) -> Vector:
+    def velocity_limit(self) -> Array:
         """Largest speed of each joint, (nv,) [rad/s or m/s], inf where not given."""
         return self._per_joint("velocity_limit")
 
     @cached_property
-    def lower_position_limit(self) -> Vector:
+    def lower_position_limit(self) -> Array:
         """Lowest position of each joint, (nv,) [rad or m], -inf where not given."""
         return self._per_joint("lower_position_limit")
 
     @cached_property
-    def upper_position_limit(self) -> Vector:
+    def upper_position_limit(self) -> Array:
         """Highest position of each joint, (nv,) [rad or m], inf where not given."""
         return self._per_joint("upper_position_limit")
 
     @cached_property
-    def armature(self) -> Vector:
+    def armature(self) -> Array:
         """Motor inertia seen from each joint, (nv,) [kg·m² or kg]; part of the mass matrix."""
         return self._per_joint("armature")
 
     @cached_property
-    def friction(self) -> Vector:
+    def friction(self) -> Array:
         """Coulomb friction of each joint, (nv,) [N·m or N]; not part of the terms here."""
         return self._per_joint("friction")
 
     @cached_property
-    def damping(self) -> Vector:
+    def damping(self) -> Array:
         """Viscous friction of each joint, (nv,) [N·m·s/rad or N·s/m]; not part of the terms."""
         return self._per_joint("damping")
 
     # Terms of the equation of motion
 
-    def mass_matrix(self, q: ArrayLike) -> Matrix:
+    def mass_matrix(self, q: ArrayLike) -> Array:
         """Return `M(q)`, (nv, nv) [kg·m²], with the armature on its diagonal."""
         return np.array(pin.crba(self.model, self._data, self._configuration(q)))
 
-    def coriolis(self, q: ArrayLike, v: ArrayLike) -> Matrix:
+    def coriolis(self, q: ArrayLike, v: ArrayLike) -> Array:
         """Return `C(q, v)`, (nv, nv), such that `Ṁ - 2C` is skew-symmetric."""
         q, v = self._configuration(q), self._tangent("v", v)
         return np.array(pin.computeCoriolisMatrix(self.model, self._data, q, v))
 
-    def gravity(self, q: ArrayLike) -> Vector:
+    def gravity(self, q: ArrayLike) -> Array:
         """Return `G(q)`, (nv,) [N·m or N]: the effort that holds the arm still."""
         return np.array(
             pin.computeGeneralizedGravity(self.model, self._data, self._configuration(q))
         )
 
-    def inverse_dynamics(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Vector:
+    def inverse_dynamics(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
         """Return `τ = M a + C v + G`, (nv,) [N·m or N]."""
         q, v, a = self._configuration(q), self._tangent("v", v), self._tangent("a", a)
         return np.array(pin.rnea(self.model, self._data, q, v, a))
 
-    def forward_dynamics(self, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> Vector:
+    def forward_dynamics(self, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> Array:
         """Return `a = M⁻¹ (τ - C v - G)`, (nv,) [rad/s² or m/s²]."""
         q, v, tau = self._configuration(q), self._tangent("v", v), self._tangent("tau", tau)
         return np.array(pin.aba(self.model, self._data, q, v, tau))
@@ -211,7 +210,7 @@ class Arm:
     # Configurations
 
     @cached_property
-    def neutral(self) -> Vector:
+    def neutral(self) -> Array:
         """A plain configuration, (nq,): zero, or mid-range for joints whose limits exclude zero."""
         lower, upper = self.lower_position_limit, self.upper_position_limit
         outside, bounded = (lower > 0.0) | (upper < 0.0), np.isfinite(lower) & np.isfinite(upper)
@@ -219,7 +218,7 @@ class Arm:
         nearest = np.where(bounded, middle, np.clip(0.0, lower, upper))
         return _frozen(self.from_joint_positions(np.where(outside, nearest, 0.0)))
 
-    def difference(self, q_d: ArrayLike, q: ArrayLike) -> Vector:
+    def difference(self, q_d: ArrayLike, q: ArrayLike) -> Array:
         """Return the tangent error `e = q ⊖ q_d`, (nv,) [rad or m].
 
         Plain joints give `q - q_d`; continuous joints the shortest turn from `q_d` to `q`.
@@ -228,20 +227,20 @@ class Arm:
             pin.difference(self.model, self._configuration(q_d, "q_d"), self._configuration(q))
         )
 
-    def integrate(self, q: ArrayLike, dv: ArrayLike) -> Vector:
+    def integrate(self, q: ArrayLike, dv: ArrayLike) -> Array:
         """Return `q ⊕ dv`, (nq,): the configuration reached from `q` by the tangent step `dv`."""
         return np.array(pin.integrate(self.model, self._configuration(q), self._tangent("dv", dv)))
 
-    def from_joint_positions(self, positions: ArrayLike) -> Vector:
+    def from_joint_positions(self, positions: ArrayLike) -> Array:
         """Return the configuration, (nq,), of one angle or travel per joint, (nv,) [rad or m]."""
         positions = self._tangent("positions", positions)
         return np.array(pin.integrate(self.model, pin.neutral(self.model), positions))
 
-    def to_joint_positions(self, q: ArrayLike) -> Vector:
+    def to_joint_positions(self, q: ArrayLike) -> Array:
         """Return one angle or travel per joint, (nv,) [rad or m]; continuous ones in [-π, π]."""
         return np.array(pin.difference(self.model, pin.neutral(self.model), self._configuration(q)))
 
-    def random_configuration(self, rng: np.random.Generator) -> Vector:
+    def random_configuration(self, rng: np.random.Generator) -> Array:
         """Return a configuration, (nq,), uniform inside the limits.
 
         A joint without limits turns within [-π, π] or slides within [-1, 1] m.
@@ -278,19 +277,19 @@ class Arm:
     def _visual_model(self) -> pin.GeometryModel:
         return visual_model(self.tree, self.model, self.package_dirs)
 
-    def _per_joint(self, name: str) -> Vector:
+    def _per_joint(self, name: str) -> Array:
         joints = (self.tree.joints[joint] for joint in self.joint_names)
         return _frozen(
             np.array([getattr(read_properties(self.tree, joint), name) for joint in joints])
         )
 
-    def _configuration(self, q: ArrayLike, name: str = "q") -> Vector:
+    def _configuration(self, q: ArrayLike, name: str = "q") -> Array:
         return finite_vector(name, q, self.nq)
 
-    def _tangent(self, name: str, vector: ArrayLike) -> Vector:
+    def _tangent(self, name: str, vector: ArrayLike) -> Array:
         return finite_vector(name, vector, self.nv)
 
 
-def _frozen(vector: Vector) -> Vector:
+def _frozen(vector: Array) -> Array:
     vector.flags.writeable = False
     return vector

@@ -9,12 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from fotsmc_pin.arms.tree import UrdfTree
+    from fotsmc_pin.types import Array
 
-    Vector = NDArray[np.float64]
-    Matrix = NDArray[np.float64]
 
 ENTRIES = (("ixx", 0, 0), ("ixy", 0, 1), ("ixz", 0, 2), ("iyy", 1, 1), ("iyz", 1, 2), ("izz", 2, 2))
 
@@ -31,12 +28,12 @@ class LinkInertia:
     """
 
     mass: float
-    com: Vector
-    rpy: Vector
-    about_com: Matrix
+    com: Array
+    rpy: Array
+    about_com: Array
 
     @property
-    def second_moments(self) -> Vector:
+    def second_moments(self) -> Array:
         """Principal second moments of mass `∫ x² dm` about the centre of mass, (3,) [kg·m²].
 
         They are `½ tr(I) - λ(I)`. A body of real matter has none below zero, which is the
@@ -108,7 +105,7 @@ def write_inertia(link: ET.Element, inertia: LinkInertia) -> None:
         parts["inertia"].set(name, repr(float(inertia.about_com[row, column])))
 
 
-def words(vector: Vector) -> str:
+def words(vector: Array) -> str:
     """Return numbers as a URDF attribute, every digit kept."""
     return " ".join(repr(float(value)) for value in vector)
 

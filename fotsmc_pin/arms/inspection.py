@@ -12,11 +12,8 @@ from fotsmc_pin.arms.suspicions import suspicions
 from fotsmc_pin.checks import count
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from fotsmc_pin.arms.arm import Arm
-
-    Vector = NDArray[np.float64]
+    from fotsmc_pin.types import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -36,14 +33,14 @@ class Inspection:
 
     arm: Arm
     total_mass: float
-    gravity_load: Vector
-    inertia_range: NDArray[np.float64]
+    gravity_load: Array
+    inertia_range: Array
     condition: tuple[float, float]
     payload: float
     warnings: tuple[str, ...]
 
     @property
-    def gravity_share(self) -> Vector:
+    def gravity_share(self) -> Array:
         """Gravity load over effort limit, (nv,); 0 where no limit is given."""
         return np.asarray(self.gravity_load / self.arm.effort_limit)
 
@@ -74,7 +71,7 @@ def inspect_arm(arm: Arm, *, samples: int = 200, seed: int = 0) -> Inspection:
     )
 
 
-def _payload(arm: Arm, configurations: list[Vector], gravity: NDArray[np.float64]) -> float:
+def _payload(arm: Arm, configurations: list[Array], gravity: Array) -> float:
     """Largest mass at the tool frame with `|G + m Jᵀ g| ≤ effort limit` everywhere sampled."""
     data = arm.model.createData()
     least = np.inf
@@ -85,6 +82,6 @@ def _payload(arm: Arm, configurations: list[Vector], gravity: NDArray[np.float64
         per_kilogram = -jacobian[:3].T @ arm.model.gravity.linear
         heavier = np.abs(per_kilogram) > 1e-9
         # The load grows towards the limit that lies in its direction.
-        room = arm.effort_limit - np.sign(per_kilogram) * load
-        least = min(least, np.min(room[heavier] / np.abs(per_kilogram[heavier]), initial=np.inf))
+        margin = arm.effort_limit - np.sign(per_kilogram) * load
+        least = min(least, np.min(margin[heavier] / np.abs(per_kilogram[heavier]), initial=np.inf))
     return max(0.0, float(least))

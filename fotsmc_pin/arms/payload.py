@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from fotsmc_pin.arms.draw import Uniform
 from fotsmc_pin.arms.inertia import LinkInertia, words, write_inertia
+from fotsmc_pin.arms.random_numbers import Uniform
 from fotsmc_pin.checks import finite_number, finite_vector
 from fotsmc_pin.errors import ArgumentError
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from fotsmc_pin.arms.draw import Number, Stream
+    from fotsmc_pin.arms.random_numbers import Number, RandomStream
     from fotsmc_pin.arms.tree import UrdfTree
 
 STEEL = 7850.0  # Density [kg/m³].
@@ -57,7 +57,7 @@ class Payload:
                 "no body has it: each principal moment is at most the sum of the other two",
             )
 
-    def drawn(self, stream: Stream) -> Payload:
+    def drawn(self, stream: RandomStream) -> Payload:
         """Return the payload with its mass drawn, if it is to be."""
         return replace(self, mass=stream.number(self.mass))
 

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, TypeAlias, cast
 
 import numpy as np
 
-from fotsmc_pin.arms.draw import Draw, Number, PerLink, Uniform, spread
 from fotsmc_pin.arms.inertia import read_inertia, write_inertia
 from fotsmc_pin.arms.markup import parse_urdf, urdf_text
 from fotsmc_pin.arms.overrides import PerJoint, check_property, joint_values
 from fotsmc_pin.arms.payload import Payload, attach
 from fotsmc_pin.arms.properties import write_properties
+from fotsmc_pin.arms.random_numbers import Number, PerLink, RandomNumbers, Uniform, spread
 from fotsmc_pin.arms.tree import UrdfTree
 from fotsmc_pin.checks import finite_number, finite_vector
 from fotsmc_pin.errors import ArgumentError
@@ -70,20 +70,20 @@ def perturb(
         ArgumentError: an unknown link or joint, a number out of its range, or a missing seed.
     """
     tree = UrdfTree(parse_urdf(arm.urdf, arm.name), arm.name)
-    draw = Draw(seed)
+    random = RandomNumbers(seed)
     changes = [
-        *_scale_masses(tree, draw, mass_scale),
-        *_scale_inertias(tree, draw, inertia_scale),
-        *_shift_centres(tree, draw, com_shift),
+        *_scale_masses(tree, random, mass_scale),
+        *_scale_inertias(tree, random, inertia_scale),
+        *_shift_centres(tree, random, com_shift),
         *_repair(tree),
-        *_attach_payloads(tree, draw, payload, arm.tool_frame),
+        *_attach_payloads(tree, random, payload, arm.tool_frame),
     ]
     per_joint = {"friction": friction, "damping": damping, "armature": armature}
     for what, given in per_joint.items():
         if given is not None:
-            changes += _set_per_joint(tree, draw, what, given, arm.joint_names)
-    if draw.used:
-        changes.append(f"drawn from seed {draw.seed}")
+            changes += _set_per_joint(tree, random, what, given, arm.joint_names)
+    if random.used:
+        changes.append(f"drawn from seed {random.seed}")
     all_changes = (*arm.changes, *changes)
     comment = "\n".join([f"Changes to {arm.name}:", *(f"  {change}" for change in all_changes)])
     return replace(
@@ -112,8 +112,8 @@ def _inertia(tree: UrdfTree, link: str) -> LinkInertia:
     return found
 
 
-def _scale_masses(tree: UrdfTree, draw: Draw, given: PerLink) -> list[str]:
-    scales = _factors(tree, draw, "mass_scale", given)
+def _scale_masses(tree: UrdfTree, random: RandomNumbers, given: PerLink) -> list[str]:
+    scales = _factors(tree, random, "mass_scale", given)
     for link, scale in scales.items():
         old = _inertia(tree, link)
         new = replace(old, mass=scale * old.mass, about_com=scale * old.about_com)
@@ -121,17 +121,19 @@ def _scale_masses(tree: UrdfTree, draw: Draw, given: PerLink) -> list[str]:
     return _summary("mass and inertia", scales, moving_links(tree), "× {:.6g}")
 
 
-def _scale_inertias(tree: UrdfTree, draw: Draw, given: PerLink) -> list[str]:
-    scales = _factors(tree, draw, "inertia_scale", given)
+def _scale_inertias(tree: UrdfTree, random: RandomNumbers, given: PerLink) -> list[str]:
+    scales = _factors(tree, random, "inertia_scale", given)
     for link, scale in scales.items():
         old = _inertia(tree, link)
         write_inertia(tree.links[link], replace(old, about_com=scale * old.about_com))
     return _summary("inertia about the centre of mass", scales, moving_links(tree), "× {:.6g}")
 
 
-def _factors(tree: UrdfTree, draw: Draw, argument: str, given: PerLink) -> dict[str, float]:
+def _factors(
+    tree: UrdfTree, random: RandomNumbers, argument: str, given: PerLink
+) -> dict[str, float]:
     """Return the factor of each link that has one other than 1."""
-    stream = draw.stream(argument)
+    stream = random.stream(argument)
     wanted: dict[str, Number] = spread(argument, given, moving_links(tree), "moving link")
     factors = {
         link: finite_number(argument, stream.number(value), above=0.0)
@@ -140,8 +142,10 @@ def _factors(tree: UrdfTree, draw: Draw, argument: str, given: PerLink) -> dict[
     return {link: factor for link, factor in factors.items() if factor != 1.0}
 
 
-def _shift_centres(tree: UrdfTree, draw: Draw, given: Shift | Mapping[str, Shift]) -> list[str]:
-    stream = draw.stream("com_shift")
+def _shift_centres(
+    tree: UrdfTree, random: RandomNumbers, given: Shift | Mapping[str, Shift]
+) -> list[str]:
+    stream = random.stream("com_shift")
     changes = []
     wanted: dict[str, Shift] = spread("com_shift", given, moving_links(tree), "moving link")
     for link, value in wanted.items():
@@ -170,18 +174,21 @@ def _repair(tree: UrdfTree) -> list[str]:
 
 
 def _attach_payloads(
-    tree: UrdfTree, draw: Draw, given: Number | Payload | Sequence[Payload], tool_frame: str
+    tree: UrdfTree,
+    random: RandomNumbers,
+    given: Number | Payload | Sequence[Payload],
+    tool_frame: str,
 ) -> list[str]:
     if isinstance(given, Sequence):
         payloads = list(given)
     elif isinstance(given, Payload):
         payloads = [given]
     else:
-        mass = draw.stream("payload").number(given)
+        mass = random.stream("payload").number(given)
         payloads = [Payload(mass=finite_number("payload", mass, at_least=0.0))]
     if not all(isinstance(payload, Payload) for payload in payloads):
         raise ArgumentError("payload", given, "give a mass, a Payload or a list of them")
-    stream = draw.stream("payload")
+    stream = random.stream("payload")
     changes = []
     for payload in payloads:
         body = payload.drawn(stream)
@@ -192,9 +199,13 @@ def _attach_payloads(
 
 
 def _set_per_joint(
-    tree: UrdfTree, draw: Draw, what: str, given: PerJoint | PerLink, joint_names: Sequence[str]
+    tree: UrdfTree,
+    random: RandomNumbers,
+    what: str,
+    given: PerJoint | PerLink,
+    joint_names: Sequence[str],
 ) -> list[str]:
-    stream = draw.stream(what)
+    stream = random.stream(what)
     if isinstance(given, (Uniform, Mapping)):
         wanted: PerLink = given
         spread_out: dict[str, Number] = spread(what, wanted, joint_names, "moving joint")

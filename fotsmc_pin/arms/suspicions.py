@@ -13,16 +13,15 @@ from fotsmc_pin.arms.visuals import find_mesh
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from numpy.typing import NDArray
-
     from fotsmc_pin.arms.arm import Arm
+    from fotsmc_pin.types import Array
 
 HIGHEST_EFFORT = 5e3  # N·m or N: beyond any arm's motors.
 HIGHEST_SPEED = 50.0  # rad/s or m/s.
 HIGHEST_CONDITION = 1e5
 
 
-def suspicions(arm: Arm, *, gravity_load: NDArray[np.float64], condition: float) -> Iterator[str]:
+def suspicions(arm: Arm, *, gravity_load: Array, condition: float) -> Iterator[str]:
     """Yield a sentence for each thing that looks wrong."""
     yield from _limits(arm)
     yield from _inertias(arm)

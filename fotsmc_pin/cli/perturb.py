@@ -11,7 +11,7 @@ from fotsmc_pin.cli.output import Force, plain_console, result_file
 from fotsmc_pin.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from fotsmc_pin.arms.draw import Number
+    from fotsmc_pin.arms.random_numbers import Number
 
 Default = TypeVar("Default", float, None)
 HOW = "number, low:high to draw, or name=number; may be repeated"

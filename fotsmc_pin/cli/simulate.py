@@ -50,7 +50,7 @@ def simulate(
     true = perturb(nominal, mass_scale=mass_scale, payload=payload)
     if preset is None:
         preset = "practical" if "practical" in law.presets else next(iter(law.presets))
-    brain = law(nominal, dt, preset=preset, **_gains(gain or []))
+    ctl = law(nominal, dt, preset=preset, **_gains(gain or []))
     reference = Sinusoid.inside_limits(nominal)
     q_start, _, _ = reference(0.0)
     folder = result_folder(out or Path("out") / nominal.name, force=force)
@@ -58,7 +58,7 @@ def simulate(
         with progress_bar(nominal.name) as report:
             rec = run(
                 true,
-                brain,
+                ctl,
                 reference,
                 duration,
                 q0=nominal.integrate(q_start, [start_error] * nominal.nv),
@@ -98,7 +98,7 @@ def _table(title: str, summary: Summary) -> object:
     from rich.table import Table
 
     table = Table(title=title, title_justify="left")
-    table.add_column("figure")
+    table.add_column("metric")
     table.add_column("value", justify="right")
     for name, value in (
         ("settling to 10 mrad [s]", f"{summary.settling_time:.3f}"),

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from fotsmc_pin.arms import Arm
     from fotsmc_pin.control import Controller
-    from fotsmc_pin.stress_suite import StressRow
+    from fotsmc_pin.evaluation.stress import StressRow
 
 SHOWN_DRAWS = 10
 
@@ -42,9 +42,9 @@ def stress(
         bool, typer.Option("--ablation", help="RobustFONFTSM without each of its ingredients.")
     ] = False,
     draws: Annotated[
-        int, typer.Option(help="Run RobustFONFTSM on this many random draws instead.")
+        int, typer.Option(help="Run RobustFONFTSM in this many random scenarios instead.")
     ] = 0,
-    first_seed: Annotated[int, typer.Option(help="Seed of the first draw.")] = 0,
+    first_seed: Annotated[int, typer.Option(help="Seed of the first random scenario.")] = 0,
     duration: Annotated[float, typer.Option(help="Simulated time of a run [s].")] = 6.0,
     seed: Annotated[int, typer.Option(help="Seed of the noise and of the search.")] = 0,
     out: Annotated[
@@ -54,8 +54,8 @@ def stress(
 ) -> None:
     """Put arms under stress: heavier than believed, with friction, noise, delay and start error."""
     from fotsmc_pin.arms import load_arm
-    from fotsmc_pin.stress_suite import run_draws
-    from fotsmc_pin.stress_suite import stress as run_suite
+    from fotsmc_pin.evaluation.stress import run_random_scenarios
+    from fotsmc_pin.evaluation.stress import stress as run_suite
 
     folder = None if out is None else result_folder(out, force=force)
     rows: list[StressRow] = []
@@ -64,9 +64,9 @@ def stress(
         arm = load_arm(name)
         with progress_bar(name) as report:
             if draws:
-                drawn = run_draws(arm, draws, first_seed=first_seed, progress=report)
-                rows += [draw.row for draw in drawn]
-                seeds += [draw.seed for draw in drawn]
+                drawn = run_random_scenarios(arm, draws, first_seed=first_seed, progress=report)
+                rows += [found.row for found in drawn]
+                seeds += [found.seed for found in drawn]
             elif ablation:
                 rows += _ablation(arm, seed, duration)
             else:
@@ -83,12 +83,12 @@ def stress(
 
 
 def _ablation(arm: Arm, seed: int, duration: float) -> list[StressRow]:
-    from fotsmc_pin.stress_suite import ablate, scenario
-    from fotsmc_pin.stress_suite.scenario import DT
-    from fotsmc_pin.stress_suite.table import run_row
+    from fotsmc_pin.evaluation.stress import ablate, stress_scenario
+    from fotsmc_pin.evaluation.stress.scenario import DT
+    from fotsmc_pin.evaluation.stress.table import run_row
 
-    case = scenario(arm, seed=seed)
-    rows = ablate(lambda law, label: run_row(case, law, label, duration), arm, DT)
+    scenario = stress_scenario(arm, seed=seed)
+    rows = ablate(lambda law, label: run_row(scenario, law, label, duration), arm, DT)
     if arm.name == "two_link":
         rows += ablate(_printed_case, arm, DT)
     return rows
@@ -96,8 +96,8 @@ def _ablation(arm: Arm, seed: int, duration: float) -> list[StressRow]:
 
 def _printed_case(law: Controller, label: str) -> StressRow:
     """Judge a run of the paper's two-link case with its printed disturbance."""
+    from fotsmc_pin.evaluation.stress import judge
     from fotsmc_pin.paper.two_link import run
-    from fotsmc_pin.stress_suite import judge
 
     return judge(run(law), "two_link, printed case", label)
 
@@ -111,17 +111,17 @@ def _best_pid(
     report: Callable[[float], None],
 ) -> StressRow:
     from fotsmc_pin.control import RobustFONFTSM
-    from fotsmc_pin.stress_suite import best_pid, scenario
-    from fotsmc_pin.stress_suite.scenario import DT
-    from fotsmc_pin.stress_suite.table import run_row
+    from fotsmc_pin.evaluation.stress import best_pid, stress_scenario
+    from fotsmc_pin.evaluation.stress.scenario import DT
+    from fotsmc_pin.evaluation.stress.table import run_row
 
-    case = scenario(arm, seed=seed)
+    scenario = stress_scenario(arm, seed=seed)
     largest = math.inf
     if variation > 0.0:
-        rival = run_row(case, RobustFONFTSM(arm, DT), "", duration)
+        rival = run_row(scenario, RobustFONFTSM(arm, DT), "", duration)
         largest = variation * rival.torque_variation
     row, gains = best_pid(
-        case,
+        scenario,
         trials=trials,
         seed=seed,
         duration=duration,
@@ -133,13 +133,13 @@ def _best_pid(
 
 
 def _table(rows: Sequence[StressRow], seeds: Sequence[int]) -> Table:
-    """Return the rows for the terminal; of draws, the ten worst."""
+    """Return the rows for the terminal; of random scenarios, the ten worst."""
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
 
-    from fotsmc_pin.stress_suite.table import COLUMNS, cells
+    from fotsmc_pin.evaluation.stress.table import COLUMNS, cells
 
-    title = f"The worst of {len(seeds)} draws" if seeds else "Stress suite"
+    title = f"The worst of {len(seeds)} random scenarios" if seeds else "Stress suite"
     table = Table(
         title=title, title_justify="left", box=SIMPLE_HEAD, collapse_padding=True, pad_edge=False
     )
@@ -153,7 +153,7 @@ def _table(rows: Sequence[StressRow], seeds: Sequence[int]) -> Table:
 
 
 def _write(folder: Path, rows: Sequence[StressRow], seeds: Sequence[int]) -> None:
-    from fotsmc_pin.stress_suite import markdown
+    from fotsmc_pin.evaluation.stress import markdown
 
     data = [row.as_dict() | ({"seed": seeds[k]} if seeds else {}) for k, row in enumerate(rows)]
     write_json(folder / "stress.json", {"rows": data})

@@ -12,8 +12,8 @@ from fotsmc_pin.cli.output import Force, plain_console, progress_bar, result_fol
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from fotsmc_pin.studies import ClosedLoop, Study
-    from fotsmc_pin.studies.result import Row
+    from fotsmc_pin.evaluation.studies import ClosedLoop, StudyResult
+    from fotsmc_pin.evaluation.studies.result import Row
 
 STORE = "study.sqlite"
 
@@ -25,7 +25,7 @@ def study_command(
     scheduler: Annotated[
         str | None, typer.Option(help="Address of a Dask scheduler, such as tcp://host:8786.")
     ] = None,
-    figure: Annotated[str, typer.Option(help="The figure to judge by.")] = "tail_rms_error",
+    metric: Annotated[str, typer.Option(help="The metric to judge by.")] = "tail_rms_error",
     retry_failed: Annotated[
         bool, typer.Option("--retry-failed", help="Run those again that failed.")
     ] = False,
@@ -33,14 +33,14 @@ def study_command(
 ) -> None:
     """Run a study; one that was interrupted goes on where it was.
 
-    The folder gets the store of all runs, the distribution of one figure, and the worst run with
+    The folder gets the store of all runs, the distribution of one metric, and the worst run with
     its page.
     """
     from fotsmc_pin import checks
     from fotsmc_pin.analysis.metrics import UNITS
-    from fotsmc_pin.studies import read_study, study
+    from fotsmc_pin.evaluation.studies import read_study, study
 
-    checks.choice("--figure", figure, [*UNITS])
+    checks.choice("--metric", metric, [*UNITS])
     run, arguments = read_study(file)
     folder = out or Path("out") / file.stem
     if force or not (folder / STORE).is_file():
@@ -61,8 +61,8 @@ def study_command(
     for row in found.failed[:5]:
         console.print(f"failed: {dict(row.parameters)}: {row.error}")
     if found.succeeded:
-        _show(console, found, list(arguments["grid"]), figure, folder)
-        _keep_worst(run, found.worst(figure), folder)
+        _show(console, found, list(arguments["grid"]), metric, folder)
+        _keep_worst(run, found.worst(metric), folder)
         console.print(f"All {len(found)} runs are in {folder / STORE}, {len(found.failed)} failed.")
         console.print(f"Open {folder / 'worst.html'} in a browser: the worst run.")
     else:
@@ -70,29 +70,31 @@ def study_command(
         raise typer.Exit(1)
 
 
-def _show(console: Console, found: Study, names: list[str], figure: str, folder: Path) -> None:
+def _show(
+    console: Console, found: StudyResult, names: list[str], metric: str, folder: Path
+) -> None:
     from rich.table import Table
 
     from fotsmc_pin.analysis.metrics import UNITS
-    from fotsmc_pin.studies import Study
+    from fotsmc_pin.evaluation.studies import StudyResult
     from fotsmc_pin.view import distribution_figure, save_figure
 
     rows: dict[str, list[Row]] = {}
     for row in found.succeeded:
         name = ", ".join(str(row.parameters[name]) for name in names) or "all runs"
         rows.setdefault(name, []).append(row)
-    groups = {name: Study(tuple(members)) for name, members in rows.items()}
-    unit = UNITS[figure]
-    table = Table(title=f"{figure} [{unit}]", title_justify="left")
+    groups = {name: StudyResult(tuple(members)) for name, members in rows.items()}
+    unit = UNITS[metric]
+    table = Table(title=f"{metric} [{unit}]", title_justify="left")
     table.add_column("group")
     for column in ("runs", "5 %", "median", "95 %", "worst"):
         table.add_column(column, justify="right")
     for name, group in groups.items():
-        quantiles = (f"{value:.4g}" for value in group.quantiles(figure))
+        quantiles = (f"{value:.4g}" for value in group.quantiles(metric))
         table.add_row(name, str(len(group)), *quantiles)
     console.print(table)
-    values = {name: group.figure(figure) for name, group in groups.items()}
-    shown = distribution_figure(values, figure.replace("_", " "), unit)
+    values = {name: group.metric(metric) for name, group in groups.items()}
+    shown = distribution_figure(values, metric.replace("_", " "), unit)
     save_figure(shown, folder / "distribution")
 
 

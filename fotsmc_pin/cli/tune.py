@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from fotsmc_pin.analysis import Summary
     from fotsmc_pin.arms import Arm
     from fotsmc_pin.control import Controller
-    from fotsmc_pin.tuning import FrontPoint
+    from fotsmc_pin.evaluation.tuning import FrontPoint
 
 
 def tune(
@@ -42,9 +42,9 @@ def tune(
     from fotsmc_pin.arms import load_arm
     from fotsmc_pin.checks import choice
     from fotsmc_pin.control import CONTROLLERS
-    from fotsmc_pin.stress_suite.scenario import DT
-    from fotsmc_pin.stress_suite.suite import law_maker
-    from fotsmc_pin.tuning import tune as search
+    from fotsmc_pin.evaluation.stress.scenario import DT
+    from fotsmc_pin.evaluation.stress.suite import law_maker
+    from fotsmc_pin.evaluation.tuning import tune as search
     from fotsmc_pin.view.front import plot_front
 
     law = CONTROLLERS[choice("--controller", controller, [*CONTROLLERS])]
@@ -83,14 +83,14 @@ def _runner(
     """Return what runs gains in the stress scenario."""
     from fotsmc_pin.analysis import summarize
     from fotsmc_pin.errors import DivergenceError
-    from fotsmc_pin.stress_suite import scenario
-    from fotsmc_pin.stress_suite.scenario import DT
+    from fotsmc_pin.evaluation.stress import stress_scenario
+    from fotsmc_pin.evaluation.stress.scenario import DT
 
-    case = scenario(arm, seed=seed)
+    scenario = stress_scenario(arm, seed=seed)
 
     def run(gains: dict[str, Any]) -> Summary | None:
         try:
-            return summarize(case.run(law(arm, DT, **(start | gains)), duration))
+            return summarize(scenario.run(law(arm, DT, **(start | gains)), duration))
         except DivergenceError:
             return None
 
@@ -105,7 +105,9 @@ def _cells(point: FrontPoint) -> tuple[str, str, str]:
 def _table(front: Sequence[FrontPoint], error: str) -> Table:
     from rich.table import Table
 
-    table = Table(title="Gains that none other beats in both figures", title_justify="left")
+    table = Table(
+        title="Gains that no others beat in both error and torque variation", title_justify="left"
+    )
     for column in (error, "torque variation [N·m/s]", "gains"):
         table.add_column(column)
     for point in front:

@@ -18,7 +18,7 @@ output is affine in the newest sample, which `predict` uses. Arguments are trust
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -48,9 +48,8 @@ from fotsmc_pin.fractional.layout import (
 )
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from fotsmc_pin.types import Array
 
-    Array: TypeAlias = NDArray[np.float64]
 
 TINY = 1e-280
 """Modes below this are set to zero: arithmetic with subnormal numbers is 40 times slower."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -36,9 +36,8 @@ from fotsmc_pin.fractional.layout import (
 )
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from fotsmc_pin.types import Array
 
-    Array: TypeAlias = NDArray[np.float64]
 
 SCHEMES = {
     "linear": LINEAR,
@@ -48,9 +47,6 @@ SCHEMES = {
 
 SHORTEST_PERIOD = 0.25
 """The sums hold from this part of the nominal period on, so that a clock may jitter."""
-
-
-Kernel: TypeAlias = ExponentialSum | WeightSum
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,7 +63,7 @@ class Plan:
     tempering: float
 
 
-def history_kernel(plan: Plan) -> Kernel | None:
+def sum_of_exponentials(plan: Plan) -> ExponentialSum | WeightSum | None:
     """Return the sum that carries the past; None for `β = 0` and `β = 1`, which need none."""
     if plan.exponent in (0.0, 1.0):
         return None
@@ -79,14 +75,14 @@ def history_kernel(plan: Plan) -> Kernel | None:
 
 def _modes(plan: Plan) -> tuple[Array, Array]:
     """Rates [1/s] and weights of the modes."""
-    if plan.exponent == 1.0:  # no kernel, no past
+    if plan.exponent == 1.0:  # no memory
         return np.empty(0), np.empty(0)
-    kernel = history_kernel(plan)
-    if kernel is None:  # The kernel is the constant 1.
+    found = sum_of_exponentials(plan)
+    if found is None:  # The memory kernel is the constant 1.
         return np.zeros(1), np.ones(1)
-    if isinstance(kernel, WeightSum):
-        return kernel.rates / plan.dt, kernel.weights * plan.dt**-plan.exponent
-    return kernel.rates, kernel.weights
+    if isinstance(found, WeightSum):
+        return found.rates / plan.dt, found.weights * plan.dt**-plan.exponent
+    return found.rates, found.weights
 
 
 @lru_cache(maxsize=128)

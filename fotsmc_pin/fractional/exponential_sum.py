@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,9 +13,8 @@ from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.fractional.gauss import merge
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from fotsmc_pin.types import Array
 
-    Array: TypeAlias = NDArray[np.float64]
 
 MOST_MODES = 96
 """More modes than this are refused: the horizon or the tolerance asks for too much."""

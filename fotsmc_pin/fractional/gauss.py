@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from numpy.typing import NDArray
-
-    Array: TypeAlias = NDArray[np.float64]
+    from fotsmc_pin.types import Array
 
 
 def jacobi_matrix(points: Array, weights: Array, size: int) -> Array:

@@ -4,9 +4,9 @@ On an interval of length `h` the input is taken as
 
     x(ξ) = value - difference ξ + curvature (ξ² - ξ),
 
-where `ξ` runs from 0 to 1 backwards from the new sample in units of `h`. The kernel acts on `x` in
-an integral and on `x' + σ x` in a derivative, and all integrals over the interval are exact. What
-they add is linear in value, difference and curvature: three gains.
+where `ξ` runs from 0 to 1 backwards from the new sample in units of `h`. The memory kernel acts on
+`x` in an integral and on `x' + σ x` in a derivative, and all integrals over the interval are exact.
+What they add is linear in value, difference and curvature: three gains.
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ if TYPE_CHECKING:
 def gains(
     scheme: float, slope: float, tempering: float, period: float, m0: float, m1: float, m2: float
 ) -> Three:
-    """Return the gains of value, difference and curvature for a kernel with these moments.
+    """Return the gains of value, difference and curvature for a memory kernel with these moments.
 
-    Moment `m` is the integral of the kernel times `ξ^m` over the interval; `slope` is 1 where the
-    kernel acts on `x' + σ x`, 0 where on `x`. Grünwald-Letnikov knows samples only: its derivative
-    acts on the backward difference of `e^{σt} x`.
+    Moment `m` is the integral of the memory kernel times `ξ^m` over the interval; `slope` is 1
+    where it acts on `x' + σ x`, 0 where on `x`. Grünwald-Letnikov knows samples only: its
+    derivative acts on the backward difference of `e^{σt} x`.
     """
     if slope == 0.0:
         if scheme == GRUNWALD_LETNIKOV:
@@ -59,9 +59,9 @@ def output_gains(
 ) -> Three:
     """Return what value, difference and curvature add to the output.
 
-    The kernel is `k(t) = e^{-σt} t^{-β}/Γ(1-β)`; its moments are `h ∫_0^1 k(hξ) ξ^m dξ`.
+    The memory kernel is `k(t) = e^{-σt} t^{-β}/Γ(1-β)`; its moments are `h ∫_0^1 k(hξ) ξ^m dξ`.
     """
-    if exponent == 1.0:  # no kernel at all
+    if exponent == 1.0:  # no memory
         return gains(scheme, slope, tempering, period, 1.0, 0.0, 0.0)
     scale = period ** (1.0 - exponent)
     if scheme == GRUNWALD_LETNIKOV:

@@ -4,23 +4,20 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 from fotsmc_pin.checks import choice, count, finite_number
 from fotsmc_pin.fractional.coefficients import (
     SCHEMES,
-    Kernel,
     Plan,
     coefficient_table,
-    history_kernel,
+    sum_of_exponentials,
 )
 from fotsmc_pin.fractional.stream import Stream
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    Array: TypeAlias = NDArray[np.float64]
+    from fotsmc_pin.fractional.exponential_sum import ExponentialSum
+    from fotsmc_pin.fractional.grunwald_letnikov import WeightSum
 
 DEFINITIONS = ("caputo", "riemann-liouville")
 
@@ -57,18 +54,18 @@ class FractionalOperator(ABC):
         """What the coefficients are made from."""
 
     @property
-    def kernel(self) -> Kernel | None:
+    def exponential_sum(self) -> ExponentialSum | WeightSum | None:
         """The sum of exponentials that carries the past, with its certificate.
 
         None for the orders 0 and 1, which are exact.
         """
-        return history_kernel(self._plan)
+        return sum_of_exponentials(self._plan)
 
     @property
     def certificate(self) -> float:
-        """Largest relative error of the kernel from `dt` to `horizon`; 0 where it is exact."""
-        kernel = self.kernel
-        return 0.0 if kernel is None else kernel.certificate
+        """Largest relative error of the memory kernel, `dt` to `horizon`; 0 where it is exact."""
+        found = self.exponential_sum
+        return 0.0 if found is None else found.certificate
 
     def stream(self, n: int) -> Stream:
         """Return a fresh state for `n` signals."""
@@ -77,7 +74,8 @@ class FractionalOperator(ABC):
     def __repr__(self) -> str:
         """Return the description and the certificate."""
         described = [f"{field.name}={getattr(self, field.name)!r}" for field in fields(self)]
-        modes = 0 if self.kernel is None else self.kernel.modes
+        found = self.exponential_sum
+        modes = 0 if found is None else found.modes
         kept = f"{modes} modes, certified to {self.certificate:.2g}"
         return f"{type(self).__name__}({', '.join(described)}): {kept}"
 
@@ -102,7 +100,7 @@ class FractionalDerivative(FractionalOperator):
     Args:
         order: `α`, from 0 to 1.
         dt: nominal period [s].
-        tolerance: relative error of the kernel, 1e-11 to 1e-2.
+        tolerance: relative error of the memory kernel, 1e-11 to 1e-2.
         horizon: age up to which the past is kept to the tolerance [s]; what is older fades out.
         tempering: `σ` [1/s]; the memory fades like `e^{-σt}`.
         scheme: "linear" (L1, the signal is linear between samples; error `O(dt^{2-α})`; the choice
@@ -154,7 +152,7 @@ class FractionalIntegral(FractionalOperator):
     Args:
         order: `α`, from 0 to 1.
         dt: nominal period [s].
-        tolerance: relative error of the kernel, 1e-11 to 1e-2.
+        tolerance: relative error of the memory kernel, 1e-11 to 1e-2.
         horizon: age up to which the past is kept to the tolerance [s]; what is older fades out.
         tempering: `σ` [1/s]; the memory fades like `e^{-σt}`.
         scheme: "linear" (trapezoidal product integration, `O(dt^2)`), "quadratic" (`O(dt^3)`) or

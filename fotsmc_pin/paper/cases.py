@@ -26,7 +26,7 @@ MASS_SCALE, PAYLOAD, START_ERROR = 1.3, 2.0, 0.1
 
 
 @dataclass(frozen=True, kw_only=True)
-class Case:
+class ComparisonCase:
     """One setting in which all laws compete.
 
     Attributes:
@@ -50,7 +50,7 @@ def _run_two_link(law: Controller, duration: float) -> Recording:
     return two_link.run(law, duration=duration, substeps=1)
 
 
-def _real_arm(name: str) -> Case:
+def _real_arm(name: str) -> ComparisonCase:
     @cache
     def nominal() -> Arm:
         return load_arm(name)
@@ -66,7 +66,7 @@ def _real_arm(name: str) -> Case:
         reference, true, start = setting()
         return simulate(true, law, reference, duration, q0=start)
 
-    return Case(
+    return ComparisonCase(
         title=f"{name}, masses +30 %, {PAYLOAD:g} kg payload, start error {START_ERROR:g} rad",
         nominal=nominal,
         run=run,
@@ -76,8 +76,8 @@ def _real_arm(name: str) -> Case:
     )
 
 
-CASES: dict[str, Case] = {
-    "two_link": Case(
+CASES: dict[str, ComparisonCase] = {
+    "two_link": ComparisonCase(
         title="the paper's two-link case",
         nominal=two_link.nominal_arm,
         run=_run_two_link,

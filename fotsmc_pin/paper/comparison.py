@@ -11,7 +11,7 @@ from fotsmc_pin.paper.contest import PEAK, contestants, stored_gains
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from fotsmc_pin.paper.cases import Case
+    from fotsmc_pin.paper.cases import ComparisonCase
     from fotsmc_pin.simulation import Recording
 
     Metrics = Mapping[str, Any]
@@ -79,7 +79,7 @@ def as_markdown(metrics: Metrics) -> str:
     return "\n".join(lines)
 
 
-def _marked(row: Metrics, setting: Case) -> dict[str, Any]:
+def _marked(row: Metrics, setting: ComparisonCase) -> dict[str, Any]:
     """Return a row whose name tells whether it keeps the limits."""
     over = row["peak_torque"] > ROUNDING * setting.peak_torque or (
         row["match"] != PEAK and row["tail_torque_variation"] > ROUNDING * setting.torque_variation

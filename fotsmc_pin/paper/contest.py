@@ -24,8 +24,8 @@ from joblib import Parallel, delayed
 from fotsmc_pin.analysis import summarize
 from fotsmc_pin.control import CONTROLLERS, PaperConditionWarning
 from fotsmc_pin.errors import DivergenceError
+from fotsmc_pin.evaluation.tuning import Tuned, search_gains
 from fotsmc_pin.paper.cases import CASES
-from fotsmc_pin.tuning import Tuned, search_gains
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -132,7 +132,7 @@ def cost(entry: Contestant, gains: Mapping[str, Any]) -> float:
     return summary.itae + (PRICE * (1.0 + excess) if excess > 0.0 else 0.0)
 
 
-def tune(entry: Contestant) -> Tuned:
+def tune_contestant(entry: Contestant) -> Tuned:
     """Search the contestant's gains on the case itself; never worse than its own defaults."""
     held = {name for name in entry.start if name == "alpha" and entry.name != entry.law}
     found = search_gains(

@@ -98,7 +98,7 @@ def measure(rec: Recording) -> dict[str, Any]:
     reached = float(rec.t[last_outside + 1]) if last_outside + 1 < len(rec) else float("inf")
     return summarize(rec).as_dict() | {
         "tail_exponent": _tail_exponent(rec),
-        "velocity_rms_tail": float(np.sqrt(np.mean(np.sum(rec.ed[tail] ** 2, axis=1)))),
+        "velocity_rms_tail": float(np.sqrt(np.mean(np.sum(rec.e_dot[tail] ** 2, axis=1)))),
         "surface_start_norm_1": float(np.abs(rec.signals["s"][0]).sum()),
         "surface_reached": reached,
         "surface_rms_tail": float(np.sqrt(np.mean(s_norm[tail] ** 2))),

@@ -20,7 +20,7 @@ from fotsmc_pin.paper.contest import (
     TUNING_DURATION,
     Contestant,
     contestants,
-    tune,
+    tune_contestant,
 )
 
 STORE = Path(__file__).with_name("tuned_gains.json")
@@ -49,7 +49,7 @@ def main(names: list[str], jobs: int = 2) -> None:
 
 
 def _tuned(entry: Contestant) -> dict[str, Any]:
-    outcome = tune(entry)
+    outcome = tune_contestant(entry)
     return {"gains": outcome.gains, "cost": outcome.cost}
 
 

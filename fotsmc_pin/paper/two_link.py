@@ -16,13 +16,11 @@ from fotsmc_pin.simulation import simulate
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from numpy.typing import NDArray
-
     from fotsmc_pin.arms import Arm
     from fotsmc_pin.control import Controller
     from fotsmc_pin.simulation import Recording
+    from fotsmc_pin.types import Array
 
-    Array = NDArray[np.float64]
 
 DT = 1e-3
 DURATION = 10.0

@@ -19,12 +19,9 @@ from fotsmc_pin.realtime.timing import Timing, percentiles
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from numpy.typing import NDArray
-
     from fotsmc_pin.control import Safeguard
+    from fotsmc_pin.types import Array, Reference
 
-    Array = NDArray[np.float64]
-    Reference = Callable[[float], tuple[Array, Array, Array]]
 
 SPIN = 2e-4
 """The end of the wait for a tick is spent awake: a sleep may last this much too long [s]."""

@@ -12,11 +12,11 @@ from fotsmc_pin import checks
 from fotsmc_pin.errors import MissingDependencyError
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
     from fotsmc_pin.arms import Arm
+    from fotsmc_pin.types import Array
 
-    Array = NDArray[np.float64]
 
 LONGEST_CATCH_UP = 0.05
 """Where the program fell further behind, the plant's clock waits for it [s]."""

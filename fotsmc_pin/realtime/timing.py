@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from fotsmc_pin.types import Array
 
-    Array = NDArray[np.float64]
 
 PERCENTILES = (50.0, 90.0, 99.0, 99.9, 100.0)
 

@@ -15,12 +15,11 @@ from fotsmc_pin.references.splines import spline_pieces
 from fotsmc_pin.references.timing import motion_limits, stretched_to_limits
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
     from fotsmc_pin.arms import Arm
+    from fotsmc_pin.types import Array
 
-    Vector = NDArray[np.float64]
-    Matrix = NDArray[np.float64]
 
 CLOSE = 1e-8  # Largest error of inverse kinematics [m and rad].
 MOST_STEPS = 50
@@ -82,7 +81,7 @@ class CartesianLine(JointPath):
         x = solver.follow(way, _along(u))
         velocity, acceleration = motion_limits(arm, velocity_limit, acceleration_limit)
 
-        def make(breaks: Vector) -> CartesianLine:
+        def make(breaks: Array) -> CartesianLine:
             coefficients = spline_pieces(breaks, x, degree=5, rest=True)
             return cls(arm=arm, breaks=breaks, coefficients=coefficients, deviation=np.nan)
 
@@ -109,7 +108,7 @@ def _along(u: Any) -> Any:
 class _Kinematics:
     """Inverse kinematics of the tool frame by pink, from one start."""
 
-    def __init__(self, arm: Arm, q: Vector, *, keep_orientation: bool) -> None:
+    def __init__(self, arm: Arm, q: Array, *, keep_orientation: bool) -> None:
         pink = _pink()
         self._arm, self._solve = arm, pink.solve_ik
         # Pink keeps notes on the model that it is given, and finds frames by name alone.
@@ -124,7 +123,7 @@ class _Kinematics:
         self._configuration = pink.Configuration(self._model, self._model.createData(), q)
         self._start = self._configuration.get_transform_frame_to_world(name).copy()
 
-    def follow(self, way: Vector, shares: Vector) -> Matrix:
+    def follow(self, way: Array, shares: Array) -> Array:
         """Return joint positions, (n, nv), at shares of the way."""
         rows = [self._arm.to_joint_positions(self._configuration.q)]
         for share in shares[1:]:
@@ -133,14 +132,14 @@ class _Kinematics:
             rows.append(rows[-1] + self._arm.difference(before, self._configuration.q))
         return np.array(rows)
 
-    def distance(self, q: Vector, moved: Vector) -> float:
+    def distance(self, q: Array, moved: Array) -> float:
         """Distance of the tool at `q` from its start moved by a vector [m]."""
         data = self._model.createData()
         pin.framesForwardKinematics(self._model, data, q)
         place = data.oMf[self._frame].translation
         return float(np.linalg.norm(place - self._start.translation - moved))
 
-    def _reach(self, way: Vector, share: float) -> None:
+    def _reach(self, way: Array, share: float) -> None:
         target = pin.SE3(self._start.rotation, self._start.translation + share * way)
         self._task.set_target(target)
         for _ in range(MOST_STEPS):

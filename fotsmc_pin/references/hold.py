@@ -10,11 +10,10 @@ import numpy as np
 from fotsmc_pin.checks import finite_vector
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
     from fotsmc_pin.arms import Arm
-
-    Vector = NDArray[np.float64]
+    from fotsmc_pin.types import Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +33,6 @@ class Hold:
         q = self.arm.neutral if self.q is None else self.q
         object.__setattr__(self, "q", finite_vector("q", q, self.arm.nq))
 
-    def __call__(self, t: float) -> tuple[Vector, Vector, Vector]:
+    def __call__(self, t: float) -> tuple[Array, Array, Array]:
         """Return `q_d` (nq,), `v_d` (nv,) and `a_d` (nv,) at time `t` [s], all fresh arrays."""
         return np.array(self.q), np.zeros(self.arm.nv), np.zeros(self.arm.nv)

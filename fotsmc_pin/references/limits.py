@@ -10,14 +10,8 @@ from fotsmc_pin.checks import count, finite_number
 from fotsmc_pin.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from numpy.typing import NDArray
-
     from fotsmc_pin.arms import Arm
-
-    Vector = NDArray[np.float64]
-    Reference = Callable[[float], tuple[Vector, Vector, Vector]]
+    from fotsmc_pin.types import Reference
 
 
 def broken_limits(

@@ -16,12 +16,10 @@ from fotsmc_pin.references.timing import (
 )
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
     from fotsmc_pin.arms import Arm
-
-    Vector = NDArray[np.float64]
+    from fotsmc_pin.types import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -62,7 +60,7 @@ class MinimumJerk(JointPath):
             raise ArgumentError("waypoints", waypoints, "give at least 2")
         velocity, acceleration = motion_limits(arm, velocity_limit, acceleration_limit)
 
-        def make(breaks: Vector) -> MinimumJerk:
+        def make(breaks: Array) -> MinimumJerk:
             coefficients = spline_pieces(breaks, x, degree=5, rest=True)
             return cls(arm=arm, breaks=breaks, coefficients=coefficients)
 

@@ -13,12 +13,10 @@ from scipy.interpolate import PPoly
 from fotsmc_pin.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
     from fotsmc_pin.arms import Arm
-
-    Vector = NDArray[np.float64]
-    Matrix = NDArray[np.float64]
+    from fotsmc_pin.types import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -35,15 +33,15 @@ class JointPath:
     """
 
     arm: Arm
-    breaks: Vector
-    coefficients: NDArray[np.float64]
+    breaks: Array
+    coefficients: Array
 
     @property
     def duration(self) -> float:
         """When the path ends [s]."""
         return float(self.breaks[-1])
 
-    def __call__(self, t: float) -> tuple[Vector, Vector, Vector]:
+    def __call__(self, t: float) -> tuple[Array, Array, Array]:
         """Return `q_d` (nq,), `v_d` (nv,) and `a_d` (nv,) at time `t` [s], all fresh arrays."""
         position, velocity, acceleration = self._polynomials
         x = position(min(max(t, 0.0), self.duration))
@@ -58,7 +56,7 @@ class JointPath:
         position = PPoly(self.coefficients, self.breaks)
         return position, position.derivative(1), position.derivative(2)
 
-    def extremes(self, order: int) -> tuple[Matrix, Matrix]:
+    def extremes(self, order: int) -> tuple[Array, Array]:
         """Return the least and greatest value of each joint's position or a derivative of it.
 
         Args:
@@ -79,7 +77,7 @@ class JointPath:
         return values, times
 
     def demand_limits(
-        self, argument: str, value: object, velocity_limit: Vector, acceleration_limit: Vector
+        self, argument: str, value: object, velocity_limit: Array, acceleration_limit: Array
     ) -> None:
         """Demand that the path keeps within position, velocity and acceleration limits.
 
@@ -110,7 +108,7 @@ class JointPath:
                 )
 
 
-def unwrapped(arm: Arm, argument: str, configurations: ArrayLike) -> Matrix:
+def unwrapped(arm: Arm, argument: str, configurations: ArrayLike) -> Array:
     """Return configurations, (n, nq), as joint positions, (n, nv), without jumps of a full turn.
 
     Raises:

@@ -12,11 +12,10 @@ from fotsmc_pin.references.path import JointPath, unwrapped
 from fotsmc_pin.references.timing import given_times, motion_limits, rest_to_rest_times
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
     from fotsmc_pin.arms import Arm
-
-    Matrix = NDArray[np.float64]
+    from fotsmc_pin.types import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -70,7 +69,7 @@ class Quintic(JointPath):
         return path
 
 
-def _pieces(breaks: Matrix, x: Matrix, v: Matrix) -> Matrix:
+def _pieces(breaks: Array, x: Array, v: Array) -> Array:
     """Return coefficients, (6, pieces, nv), with zero acceleration where pieces meet."""
     h = np.diff(breaks)[:, np.newaxis]
     step, start, end = np.diff(x, axis=0), v[:-1] * h, v[1:] * h

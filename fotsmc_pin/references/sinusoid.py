@@ -14,11 +14,11 @@ from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.references.limits import broken_limits
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
     from fotsmc_pin.arms import Arm
+    from fotsmc_pin.types import Array
 
-    Vector = NDArray[np.float64]
 
 PEAK_FADE = 15.0 / 8.0  # Largest slope of the fade-in of unit length.
 
@@ -40,11 +40,11 @@ class Sinusoid:
     """
 
     arm: Arm
-    center: Vector
-    amplitude: Vector
-    period: Vector
+    center: Array
+    amplitude: Array
+    period: Array
     ramp: float = 2.0
-    _omega: Vector = field(init=False, repr=False)
+    _omega: Array = field(init=False, repr=False)
     _plain: bool = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -60,12 +60,12 @@ class Sinusoid:
         object.__setattr__(self, "_omega", 2.0 * np.pi / period)
         object.__setattr__(self, "_plain", self.arm.is_euclidean)
 
-    def __call__(self, t: float) -> tuple[Vector, Vector, Vector]:
+    def __call__(self, t: float) -> tuple[Array, Array, Array]:
         """Return `q_d` (nq,), `v_d` (nv,) and `a_d` (nv,) at time `t` [s], all fresh arrays."""
         q_d, v_d, a_d = self.at(np.array([t], dtype=np.float64))
         return q_d[0], v_d[0], a_d[0]
 
-    def at(self, t: Vector) -> tuple[Vector, Vector, Vector]:
+    def at(self, t: Array) -> tuple[Array, Array, Array]:
         """Return `q_d` (N, nq), `v_d` and `a_d` (N, nv) at the times `t` (N,) [s]."""
         motion = np.empty((3, len(t), self.amplitude.size))
         swing(t, self.ramp, self.amplitude, self._omega, motion)
@@ -140,16 +140,16 @@ class Sinusoid:
         )
 
 
-def _easy_center(arm: Arm, amplitude: float, fraction: float) -> Vector:
+def _easy_center(arm: Arm, amplitude: float, fraction: float) -> Array:
     """Return joint positions, (nv,), clear of the limits and light to hold."""
     lower, upper = arm.lower_position_limit, arm.upper_position_limit
     half = np.where(np.isfinite(lower) & np.isfinite(upper), 0.5 * (upper - lower), np.inf)
     room = np.minimum(amplitude, half)
 
-    def clear(q: Vector) -> Vector:
+    def clear(q: Array) -> Array:
         return np.clip(arm.to_joint_positions(q), lower + room, upper - room)
 
-    def load(x: Vector) -> float:
+    def load(x: Array) -> float:
         return float(np.max(np.abs(arm.gravity(arm.from_joint_positions(x))) / arm.effort_limit))
 
     first = clear(arm.neutral)
@@ -164,7 +164,7 @@ def _easy_center(arm: Arm, amplitude: float, fraction: float) -> Vector:
 
 
 @kernel
-def swing(t: Vector, ramp: float, amplitude: Vector, omega: Vector, motion: Vector) -> None:
+def swing(t: Array, ramp: float, amplitude: Array, omega: Array, motion: Array) -> None:
     """Write displacement, velocity and acceleration, each (N, nv), into `motion`."""
     for k in range(t.size):
         f, fd, fdd = fade_in(t[k], ramp)

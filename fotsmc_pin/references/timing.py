@@ -12,13 +12,12 @@ from fotsmc_pin.errors import ArgumentError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
     from fotsmc_pin.arms import Arm
     from fotsmc_pin.references.path import JointPath
+    from fotsmc_pin.types import Array
 
-    Vector = NDArray[np.float64]
-    Matrix = NDArray[np.float64]
 
 # Peaks of the rest-to-rest quintic of unit length and time.
 PEAK_VELOCITY = 15.0 / 8.0
@@ -27,7 +26,7 @@ PEAK_ACCELERATION = 10.0 / np.sqrt(3.0)
 
 def motion_limits(
     arm: Arm, velocity_limit: ArrayLike | None, acceleration_limit: ArrayLike | None
-) -> tuple[Vector, Vector]:
+) -> tuple[Array, Array]:
     """Return the limits to obey, (nv,) each; the arm's speed and no acceleration by default."""
     velocity, acceleration = arm.velocity_limit, np.full(arm.nv, np.inf)
     if velocity_limit is not None:
@@ -37,7 +36,7 @@ def motion_limits(
     return velocity, acceleration
 
 
-def given_times(times: ArrayLike, waypoints: int) -> Vector:
+def given_times(times: ArrayLike, waypoints: int) -> Array:
     """Return times of waypoints, (n,) [s], that begin at 0 and increase."""
     vector = np.array(times, dtype=np.float64)
     increasing = vector.shape == (waypoints,) and bool(np.all(np.diff(vector) > 0.0))
@@ -46,7 +45,7 @@ def given_times(times: ArrayLike, waypoints: int) -> Vector:
     return vector
 
 
-def rest_to_rest_times(arm: Arm, x: Matrix, velocity: Vector, acceleration: Vector) -> Vector:
+def rest_to_rest_times(arm: Arm, x: Array, velocity: Array, acceleration: Array) -> Array:
     """Return the shortest times, (n,) [s], in which quintics from rest to rest keep the limits.
 
     Raises:
@@ -69,8 +68,8 @@ def rest_to_rest_times(arm: Arm, x: Matrix, velocity: Vector, acceleration: Vect
 
 
 def stretched_to_limits(
-    make: Callable[[Vector], JointPath], times: Vector, velocity: Vector, acceleration: Vector
-) -> Vector:
+    make: Callable[[Array], JointPath], times: Array, velocity: Array, acceleration: Array
+) -> Array:
     """Return the times scaled by one factor so that the path just keeps its limits.
 
     Stretching time by `s` divides velocities by `s` and accelerations by `s²`.

@@ -15,11 +15,10 @@ import numpy as np
 from fotsmc_pin import checks
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
     from fotsmc_pin.arms import Arm
-
-    Array = NDArray[np.float64]
+    from fotsmc_pin.types import Array
 
 
 class TickDelay:

@@ -8,10 +8,8 @@ from typing import TYPE_CHECKING
 from fotsmc_pin.compiled import kernel
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
+    from fotsmc_pin.types import Array
 
-    Array = NDArray[np.float64]
 
 SWEEPS = 50
 """Most sweeps of Gauss-Seidel in a step; one that starts from the last impulses needs few."""
@@ -20,7 +18,7 @@ CLOSE_ENOUGH = 1e-9
 
 
 @kernel
-def rub(
+def apply_friction(
     h: float, inverse_mass: Array, friction: Array, damping: Array, impulse: Array, v: Array
 ) -> None:
     """Move `v` from the speed without friction to the speed with it, after a step of `h` seconds.

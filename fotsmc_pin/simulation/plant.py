@@ -11,17 +11,12 @@ import pinocchio as pin
 from fotsmc_pin import checks
 from fotsmc_pin.compiled import kernel, specialized
 from fotsmc_pin.errors import ArgumentError
-from fotsmc_pin.simulation.dry_friction import rub
+from fotsmc_pin.simulation.dry_friction import apply_friction
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from numpy.typing import ArrayLike, NDArray
-
     from fotsmc_pin.arms import Arm
+    from fotsmc_pin.types import Array, Disturbance
 
-    Array = NDArray[np.float64]
-    Disturbance = Callable[[float], ArrayLike]
 
 INTEGRATORS = ("rk4", "semi-implicit")
 FRICTION_WIDTH = 1e-3
@@ -104,7 +99,7 @@ class Plant:
             self.live = (self.q, self.v, self.tau)
         self.q[:], self.v[:] = q0, v0
         self._impulse = np.zeros(arm.nv)
-        self._rubs = not rk4 and bool(np.any(arm.friction) or np.any(arm.damping))
+        self._has_friction = not rk4 and bool(np.any(arm.friction) or np.any(arm.damping))
         if rk4:
             work[DAMPING], work[FRICTION] = arm.damping, arm.friction
         work[WIDTH] = np.maximum(FRICTION_WIDTH, arm.friction * h / lightest)
@@ -159,9 +154,10 @@ class Plant:
         if self._disturbance is not None:
             self._work[DISTURBANCE] = self._disturbance(t + h)
         self._accelerate(h, self._acceleration, self._work)
-        if self._rubs:
+        if self._has_friction:
             inverse_mass = pin.computeMinverse(self._model, self._data, self.q)
-            rub(h, inverse_mass.T, self._arm.friction, self._arm.damping, self._impulse, self.v)
+            friction, damping = self._arm.friction, self._arm.damping
+            apply_friction(h, inverse_mass.T, friction, damping, self._impulse, self.v)
         lost = self._coast(h, self._work)
         self._move_continuous_joints()
         return lost
@@ -175,8 +171,8 @@ class Plant:
         """Return the integrator that was asked for, or the one that the damping bears."""
         stiff = float(stiffness.max(initial=0.0))
         if integrator is None:
-            rubs = stiff > STIFFEST or bool(np.any(self._arm.friction))
-            return "semi-implicit" if rubs else "rk4"
+            implicit = stiff > STIFFEST or bool(np.any(self._arm.friction))
+            return "semi-implicit" if implicit else "rk4"
         if checks.choice("integrator", integrator, INTEGRATORS) == "rk4" and stiff > STIFFEST:
             joint = self._arm.joint_names[int(stiffness.argmax())]
             needed = math.ceil(self._substeps * stiff / STIFFEST)

@@ -12,12 +12,9 @@ from fotsmc_pin.compiled import kernel, specialized
 from fotsmc_pin.simulation.recording import Recording
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from fotsmc_pin.arms import Arm
     from fotsmc_pin.simulation.plant import Plant
-
-    Array = NDArray[np.float64]
+    from fotsmc_pin.types import Array
 
 
 class Recorder:
@@ -49,14 +46,14 @@ class Recorder:
         self._table = np.zeros((size, sum(self._widths)))
         self._note = specialized(note, self._table, 0, self._live)
 
-    def expect(self, tick: int, q_d: Array, v_d: Array) -> None:
+    def write_reference(self, tick: int, q_d: Array, v_d: Array) -> None:
         """Write the reference of the ticks from `tick` on, a row each."""
         stride = self._stride
         skipped = -tick % stride
         rows = slice((tick + skipped) // stride, (tick + len(q_d) - 1) // stride + 1)
         self._q_d[rows], self._v_d[rows] = q_d[skipped::stride], v_d[skipped::stride]
 
-    def add(self) -> None:
+    def write_row(self) -> None:
         """Write the next row."""
         k = self._filled
         self._note(self._table, k, self._live)
@@ -80,8 +77,8 @@ class Recorder:
             v=v,
             q_d=q_d,
             v_d=v_d,
-            e=errors(self._arm, q_d, q),
-            ed=v - v_d,
+            e=tracking_errors(self._arm, q_d, q),
+            e_dot=v - v_d,
             tau=tau,
             signals=live | asked,
             arm=self._arm,
@@ -100,7 +97,7 @@ def is_flat(signal: object) -> bool:
     )
 
 
-def errors(arm: Arm, q_d: Array, q: Array) -> Array:
+def tracking_errors(arm: Arm, q_d: Array, q: Array) -> Array:
     """Return the tracking errors `q ⊖ q_d` (N, nv) of all rows."""
     if arm.is_euclidean:
         return q - q_d

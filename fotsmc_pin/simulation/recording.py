@@ -17,11 +17,12 @@ from fotsmc_pin.files import replacing
 if TYPE_CHECKING:
     import os
 
-    from numpy.typing import NDArray
+    from fotsmc_pin.types import Array
 
-    Array = NDArray[np.float64]
 
-FORMAT = 2
+FORMAT = 3
+OLDER_NAMES: dict[int, dict[str, str]] = {2: {"e_dot": "ed"}, FORMAT: {}}
+"""Formats that can be read, each with the arrays that had another name in it."""
 SIGNAL_PREFIX = "signal."
 
 
@@ -39,7 +40,7 @@ class Recording:
         q_d: reference configuration (N, nq).
         v_d: reference velocity (N, nv).
         e: tracking error `q ⊖ q_d` (N, nv) [rad, m].
-        ed: velocity error `v - v_d` (N, nv) [rad/s, m/s].
+        e_dot: velocity error `v - v_d` (N, nv) [rad/s, m/s].
         tau: torque at the joints, after all limits (N, nv) [N·m, N].
         signals: named arrays (N, k) of the controller, such as "s", its sliding variable.
         arm: the true arm.
@@ -52,7 +53,7 @@ class Recording:
     q_d: Array
     v_d: Array
     e: Array
-    ed: Array
+    e_dot: Array
     tau: Array
     signals: dict[str, Array]
     arm: Arm
@@ -101,12 +102,14 @@ class Recording:
     def _read(cls, path: str | os.PathLike[str], stream: BinaryIO) -> Recording:
         with np.load(stream, allow_pickle=False) as file:
             header = json.loads(str(file["header"]))
-            if header["format"] != FORMAT:
+            older = OLDER_NAMES.get(header["format"])
+            if older is None:
+                readable = " and ".join(map(str, OLDER_NAMES))
                 raise RecordingError(
-                    f"{path}: recording format {header['format']}, this version reads {FORMAT}"
+                    f"{path}: recording format {header['format']}, this version reads {readable}"
                 )
             return cls(
-                **{name: file[name] for name in ARRAYS},
+                **{name: file[older.get(name, name)] for name in ARRAYS},
                 signals={name: file[SIGNAL_PREFIX + name] for name in header["signals"]},
                 arm=Arm.from_dict(header["arm"]),
                 metadata=header["metadata"],

@@ -15,12 +15,10 @@ from fotsmc_pin import checks
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
     from fotsmc_pin.arms import Arm
-
-    Array = NDArray[np.float64]
-    Sensor = Callable[[float, Array, Array], tuple[Array, Array]]
+    from fotsmc_pin.types import Array
 
 
 class NoisySensor:

@@ -15,21 +15,16 @@ from fotsmc_pin.errors import ArgumentError, DivergenceError
 from fotsmc_pin.simulation.plant import Plant
 from fotsmc_pin.simulation.progress import reporting
 from fotsmc_pin.simulation.recorder import Recorder
-from fotsmc_pin.simulation.targets import targets
+from fotsmc_pin.simulation.reference_values import reference_values
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
     from fotsmc_pin.arms import Arm
-    from fotsmc_pin.simulation.plant import Disturbance
     from fotsmc_pin.simulation.recording import Recording
-
-    Array = NDArray[np.float64]
-    Reference = Callable[[float], tuple[Array, Array, Array]]
-    Sensor = Callable[[float, Array, Array], tuple[Array, Array]]
-    Actuator = Callable[[float, Array], Array]
+    from fotsmc_pin.types import Actuator, Array, Disturbance, Reference, Sensor
 
 
 CHUNK = 256
@@ -137,8 +132,8 @@ def simulate(
         for first in range(0, ticks, CHUNK):
             report(first / ticks)
             instants = clock[first : min(first + CHUNK, ticks)]
-            wanted = targets(reference, instants, arm)
-            recorder.expect(first, *wanted[:2])
+            wanted = reference_values(reference, instants, arm)
+            recorder.write_reference(first, *wanted[:2])
             rows = zip(instants.tolist(), *wanted, strict=True)
             for k, (t, q_d, v_d, a_d) in enumerate(rows, first):
                 q, v = (plant.q, plant.v) if sensor is None else sensor(t, plant.q, plant.v)
@@ -150,7 +145,7 @@ def simulate(
                     tau = actuator(t, tau)
                 plant.load(t, tau)
                 if k % stride == 0:
-                    recorder.add()
+                    recorder.write_row()
                 lost = plant.hold(t, dt if jitter == 0.0 else clock[k + 1] - t)
                 if lost >= 0:
                     joint = arm.joint_names[lost]

@@ -7,16 +7,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from fotsmc_pin.types import Array
 
-    Floats = NDArray[np.float64]
 
 ROWS_AT_MOST = 12_000
 
 
 def thinned_curves(
-    t: Floats, columns: Floats, rows_at_most: int = ROWS_AT_MOST
-) -> tuple[Floats, Floats]:
+    t: Array, columns: Array, rows_at_most: int = ROWS_AT_MOST
+) -> tuple[Array, Array]:
     """Return times and columns with at most `rows_at_most` rows that draw the same picture.
 
     Short recordings come back as they are. In longer ones, each stretch of samples becomes two

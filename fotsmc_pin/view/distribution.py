@@ -1,4 +1,4 @@
-"""How a figure is spread over many runs."""
+"""How a metric is spread over many runs."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,11 +16,10 @@ if TYPE_CHECKING:
 
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from numpy.typing import NDArray
 
     from fotsmc_pin.simulation import Recording
+    from fotsmc_pin.types import Array
 
-    Floats: TypeAlias = NDArray[np.float64]
 
 POINTS_AT_MOST = 4000
 INSET_WIDTH, INSET_HEIGHT = 0.54, 0.46
@@ -62,7 +61,7 @@ def velocity_figure(recording: Recording, joints: Sequence[int] | None = None) -
             draw(left, recording.t, recording.v[:, joint], label="arm")
             draw(left, recording.t, recording.v_d[:, joint], label="reference", **REFERENCE)
             label_axis(left, _name(recording, joint), unit)
-            draw(right, recording.t, recording.ed[:, joint])
+            draw(right, recording.t, recording.e_dot[:, joint])
             label_axis(right, "velocity error", unit)
         axes[0, 0].legend(loc="best")
         label_time(axes)
@@ -171,8 +170,8 @@ def comparison_figure(
     return figure
 
 
-def _quantity(recording: Recording, quantity: str) -> Floats:
-    tables = {"error": recording.e, "velocity error": recording.ed, "torque": recording.tau}
+def _quantity(recording: Recording, quantity: str) -> Array:
+    tables = {"error": recording.e, "velocity error": recording.e_dot, "torque": recording.tau}
     return tables[choice("quantities", quantity, [*tables])]
 
 
@@ -183,14 +182,14 @@ def _quantity_unit(recording: Recording, quantity: str, joint: int) -> str:
     return f"{unit}/s" if quantity == "velocity error" else unit
 
 
-def draw(axes: Axes, t: Floats, values: Floats, **style: Any) -> None:
+def draw(axes: Axes, t: Array, values: Array, **style: Any) -> None:
     """Draw a curve over time, thinned so that a vector file stays small but peaks stay."""
     times, columns = thinned_curves(t, values[:, None], POINTS_AT_MOST)
     axes.plot(times, columns[:, 0], **style)
     axes.set_xlim(float(t[0]), float(t[-1]) if t[-1] > t[0] else float(t[0]) + 1.0)
 
 
-def error_inset(axes: Axes, t: Floats, error: Floats, unit: str) -> Axes:
+def error_inset(axes: Axes, t: Array, error: Array, unit: str) -> Axes:
     """Add an inset with the second half of an error in thousandths of its unit."""
     bottom = 0.42 if abs(error.max()) >= abs(error.min()) else 0.16
     inset: Axes = axes.inset_axes((0.43, bottom, INSET_WIDTH, INSET_HEIGHT))
@@ -222,7 +221,7 @@ def line_style(index: int) -> dict[str, Any]:
     }
 
 
-def reference_positions(recording: Recording) -> Floats:
+def reference_positions(recording: Recording) -> Array:
     """Return the reference as one angle or travel per joint (N, nv) [rad, m], without jumps."""
     arm = recording.arm
     if arm.is_euclidean:
@@ -239,6 +238,6 @@ def _name(recording: Recording, joint: int) -> str:
     return recording.arm.joint_names[joint].replace("$", r"\$")
 
 
-def _column_name(recording: Recording, table: Floats, column: int) -> str:
+def _column_name(recording: Recording, table: Array, column: int) -> str:
     same = table.shape[1] == recording.arm.nv
     return _name(recording, column) if same else f"[{column}]"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,10 +13,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fotsmc_pin.arms import Arm
+    from fotsmc_pin.types import Array
     from fotsmc_pin.view.motion import Motion
     from fotsmc_pin.view.visuals import Visual
 
-    Floats: TypeAlias = NDArray[np.float64]
 
 THREE_QUARTER_VIEW = np.array([0.84, 0.5, 0.36])
 FLAT = 0.08
@@ -37,10 +37,10 @@ class Framing:
         floor: height of the floor [m].
     """
 
-    low: Floats
-    high: Floats
-    outline: Floats
-    direction: Floats
+    low: Array
+    high: Array
+    outline: Array
+    direction: Array
     reach: float
     floor: float
 
@@ -65,7 +65,7 @@ def framing(arm: Arm, visuals: Sequence[Visual], motions: Sequence[Motion]) -> F
     )
 
 
-def swept_points(visuals: Sequence[Visual], motions: Sequence[Motion]) -> Floats:
+def swept_points(visuals: Sequence[Visual], motions: Sequence[Motion]) -> Array:
     """Return the corners (n, 3) of all visuals' boxes in some frames of the run [m]."""
     points = [m.tool[_some(len(m.tool))] for m in motions]
     for motion in motions:
@@ -92,7 +92,7 @@ def reach_of(arm: Arm) -> float:
     return max(length, 1e-2)
 
 
-def _direction(points: Floats) -> Floats:
+def _direction(points: Array) -> Array:
     """Look at a motion in a plane from the side that shows it; at any other from three quarters."""
     spread, axes = np.linalg.eigh(np.cov(points.T))
     normal = axes[:, 0]
@@ -105,19 +105,19 @@ def _direction(points: Floats) -> Floats:
     return _unit(normal + 0.35 * side + np.array([0.0, 0.0, 0.22]))
 
 
-def _unit(vector: Floats) -> Floats:
-    result: Floats = vector / np.linalg.norm(vector)
+def _unit(vector: Array) -> Array:
+    result: Array = vector / np.linalg.norm(vector)
     return result
 
 
-def _outline(points: Floats) -> Floats:
+def _outline(points: Array) -> Array:
     """Return those points that lie farthest out, in directions spread evenly over the sphere."""
     number = np.arange(OUTLINE_DIRECTIONS) + 0.5
     z = 1 - 2 * number / OUTLINE_DIRECTIONS
     turn = np.pi * (1 + np.sqrt(5)) * number
     radius = np.sqrt(1 - z * z)
     directions = np.stack([radius * np.cos(turn), radius * np.sin(turn), z], axis=1)
-    extremes: Floats = points[np.unique(np.argmax(points @ directions.T, axis=0))]
+    extremes: Array = points[np.unique(np.argmax(points @ directions.T, axis=0))]
     return extremes
 
 
@@ -125,7 +125,7 @@ def _some(count: int) -> NDArray[np.int64]:
     return np.unique(np.linspace(0, count - 1, min(count, 40)).astype(np.int64))
 
 
-def _rotations(quaternions: Floats) -> Floats:
+def _rotations(quaternions: Array) -> Array:
     x, y, z, w = quaternions.T
     return np.stack(
         [

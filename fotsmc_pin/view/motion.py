@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fotsmc_pin.arms import Arm
+    from fotsmc_pin.types import Array
 
-    Floats: TypeAlias = NDArray[np.float64]
 
 FRAMES_AT_MOST = 3000
 
@@ -28,12 +28,12 @@ class Motion:
         tool: origin of the tool frame (K, 3) [m].
     """
 
-    position: Floats
-    orientation: Floats
-    tool: Floats
+    position: Array
+    orientation: Array
+    tool: Array
 
 
-def frame_rows(t: Floats, rate: float) -> NDArray[np.int64]:
+def frame_rows(t: Array, rate: float) -> NDArray[np.int64]:
     """Choose the rows of a recording that become frames: every so many, and the last.
 
     Args:
@@ -46,7 +46,7 @@ def frame_rows(t: Floats, rate: float) -> NDArray[np.int64]:
     return np.unique(np.append(np.arange(0, last + 1, stride), last))
 
 
-def motion(arm: Arm, q: Floats) -> Motion:
+def motion(arm: Arm, q: Array) -> Motion:
     """Return the forward kinematics of `arm` at the configurations `q` (K, nq)."""
     model = arm.model
     data = model.createData()
@@ -61,7 +61,7 @@ def motion(arm: Arm, q: Floats) -> Motion:
     return Motion(position=poses[..., :3], orientation=_continuous(poses[..., 3:]), tool=tools)
 
 
-def _continuous(quaternions: Floats) -> Floats:
+def _continuous(quaternions: Array) -> Array:
     """Choose of the two quaternions of each rotation the one next to the one before it."""
     turns = np.sum(quaternions[1:] * quaternions[:-1], axis=-1) < 0
     first = np.ones((1, quaternions.shape[1]))

@@ -11,13 +11,13 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-Reference: TypeAlias = dict[str, int | str]
+ArrayPlace: TypeAlias = dict[str, int | str]
 
 WORDS = {"f4": np.int32, "u4": np.int32, "u2": np.int16}
 
 
 class Pack:
-    """Collects arrays and gives each a reference by which the page finds it again.
+    """Collects arrays and tells the place of each, by which the page finds it again.
 
     An array is stored as the differences of its neighbouring words, folded so that small ones have
     small words, with the bytes of equal weight together: smooth columns then deflate well, and not
@@ -27,11 +27,11 @@ class Pack:
     def __init__(self) -> None:
         """Start empty."""
         self._chunks: list[bytes] = []
-        self._references: dict[tuple[str, bytes], Reference] = {}
+        self._places: dict[tuple[str, bytes], ArrayPlace] = {}
         self._size = 0
 
-    def add(self, array: ArrayLike, kind: str = "f4") -> Reference:
-        """Store an array, flattened in C order, and return its reference.
+    def add(self, array: ArrayLike, kind: str = "f4") -> ArrayPlace:
+        """Store an array, flattened in C order, and return its place.
 
         Args:
             array: numbers, best with the axis along which they are smooth last.
@@ -39,12 +39,12 @@ class Pack:
         """
         flat = np.ascontiguousarray(array, dtype=np.dtype(kind).newbyteorder("<")).ravel()
         key = (kind, flat.tobytes())
-        if key not in self._references:
+        if key not in self._places:
             encoded = _encoded(flat.view(WORDS[kind]))
-            self._references[key] = {"at": self._size, "count": len(flat), "kind": kind}
+            self._places[key] = {"at": self._size, "count": len(flat), "kind": kind}
             self._chunks.append(encoded)
             self._size += len(encoded)
-        return self._references[key]
+        return self._places[key]
 
     def text(self) -> str:
         """Return everything stored, deflated, in base64."""

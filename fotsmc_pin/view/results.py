@@ -24,8 +24,8 @@ class Results:
     Attributes:
         folder: where it lies.
         runs: recordings by the names of their files, the endings left off.
-        summaries: figures of each run by name; more runs than were recorded, where a comparison
-            kept only the figures.
+        summaries: metrics of each run by name; more runs than were recorded, where a comparison
+            kept only the metrics.
         titles: what to call a run of `summaries`, where its name alone says too little.
         claims: text of `claims.md`, empty where there is none.
         comparison: text of `comparison.md`, empty where there is none.
@@ -79,7 +79,7 @@ def _metrics(path: Path) -> dict[str, Any]:
     except ValueError as error:
         raise RecordingError(f"{path}: damaged ({error})") from error
     if not isinstance(metrics, dict) or not isinstance(metrics.get("runs", {}), dict):
-        raise RecordingError(f"{path}: not a file of figures by name")
+        raise RecordingError(f"{path}: not a file of metrics by name")
     return metrics
 
 

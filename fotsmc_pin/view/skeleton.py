@@ -12,11 +12,9 @@ from fotsmc_pin.view.meshes import Mesh
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from numpy.typing import NDArray
-
+    from fotsmc_pin.types import Array
     from fotsmc_pin.view.meshes import Color
 
-    Vector = NDArray[np.float64]
 
 LINK: Color = (0.78, 0.8, 0.83, 1.0)
 JOINT: Color = (0.25, 0.28, 0.33, 1.0)
@@ -52,7 +50,7 @@ def _length(model: Any, frame: Any) -> float:
     return length if length > 0 else 1.0
 
 
-def _rod(end: Vector, radius: float) -> Mesh:
+def _rod(end: Array, radius: float) -> Mesh:
     """Return a capsule from the origin to `end` [m]."""
     length = float(np.linalg.norm(end))
     rod = shapes.capsule(radius, length / 2)

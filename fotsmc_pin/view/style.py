@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from fotsmc_pin.types import Array
+
 WIDTHS = {"column": 3.5, "page": 7.16}
 """Widths of a figure in one column and over the page of a two-column journal [in]."""
 
@@ -110,7 +112,7 @@ def legend_above(figure: Figure, axes: Axes) -> None:
         legend.remove()
 
 
-def spans_decades(values: NDArray[np.float64]) -> bool:
+def spans_decades(values: Array) -> bool:
     """Return whether the finite ones of `values` want a logarithmic scale."""
     finite = values[abs(values) < math.inf]
     return bool(finite.size and finite.min() > 0.0 and finite.max() > 50.0 * finite.min())

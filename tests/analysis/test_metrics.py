@@ -33,7 +33,7 @@ def record(arm):
             q_d=zero,
             v_d=zero,
             e=np.column_stack([e(t), other(t)]),
-            ed=zero,
+            e_dot=zero,
             tau=np.column_stack([tau(t), 0 * t]),
             signals={},
             arm=arm,
@@ -117,15 +117,15 @@ def test_saturation_is_the_share_of_ticks_with_a_joint_at_its_limit(record):
     assert s.saturation_fraction == pytest.approx(0.25, abs=1e-3)
 
 
-def test_every_figure_has_the_unit_of_its_definition():
-    assert [*UNITS] == [figure.name for figure in fields(Summary)]
+def test_every_metric_has_the_unit_of_its_definition():
+    assert [*UNITS] == [metric.name for metric in fields(Summary)]
     words = " " + " ".join(Summary.__doc__.split("Attributes:")[1].split())
     for name, unit in UNITS.items():
         definition = words.split(f" {name}: ", 1)[1].split(". ")[0]
         assert f"[{unit}]" in definition or unit == "–", name
 
 
-def test_every_figure_is_defined_and_a_plain_number(record):
+def test_every_metric_is_defined_and_a_plain_number(record):
     summary = summarize(record())
     for field in fields(Summary):
         assert f"        {field.name}: " in Summary.__doc__

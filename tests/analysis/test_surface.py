@@ -54,10 +54,10 @@ def test_decay_solves_the_equation_of_the_surface():
     alpha, a, dt = 0.4, 5.0, 1e-3
     t = dt * np.arange(2001)
     e = surface_decay(t, alpha=alpha, a=a, e_start=0.3, ed_start=0.8)
-    ed = np.gradient(e, dt, edge_order=2)
-    ed[0] = 0.8
+    e_dot = np.gradient(e, dt, edge_order=2)
+    e_dot[0] = 0.8
     stream = FractionalDerivative(order=alpha, dt=dt, scheme="quadratic").stream(1)
-    S = np.array([stream.update([value])[0] for value in ed]) + a * e
+    S = np.array([stream.update([value])[0] for value in e_dot]) + a * e
     assert np.abs(S[100:]).max() < 1e-3 * np.abs(a * e).max()
 
 

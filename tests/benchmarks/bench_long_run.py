@@ -57,7 +57,7 @@ def test_an_hour(table, benchmark):
         for part in (in_first, in_last)
     )
     recorded = sum(
-        array.nbytes for array in (rec.t, rec.q, rec.v, rec.q_d, rec.v_d, rec.e, rec.ed, rec.tau)
+        array.nbytes for array in (rec.t, rec.q, rec.v, rec.q_d, rec.v_d, rec.e, rec.e_dot, rec.tau)
     ) + sum(signal.nbytes for signal in rec.signals.values())
     table(
         "A long run",

@@ -48,7 +48,7 @@ def least_seconds(calls: dict[object, Callable[[], object]], rounds: int) -> dic
     return least
 
 
-def kernels() -> None:
+def exponential_sums() -> None:
     rows = []
     for exponent in (0.01, 0.1, 0.5, 0.9, 0.99):
         row = [f"{exponent}"]
@@ -59,7 +59,7 @@ def kernels() -> None:
             spent = time.perf_counter() - start
             row.append(f"{found.modes} modes, {found.certificate:.1e}, {1e3 * spent:.0f} ms")
         rows.append(row)
-    table("Kernels over seven decades", ["exponent", "1e-4", "1e-8", "1e-11"], rows)
+    table("Sums of exponentials over seven decades", ["exponent", "1e-4", "1e-8", "1e-11"], rows)
 
 
 def accuracy() -> None:
@@ -161,10 +161,10 @@ def cost() -> None:
         ]
         for (scheme, order), size in sizes.items()
     ]
-    head = ["scheme", "order", "update, first 500", "update, after 10⁶", "in a kernel"]
+    head = ["scheme", "order", "update, first 500", "update, after 10⁶", "in compiled code"]
     table(
         "Cost of one update of R⁷ [µs]",
-        [*head, "in a kernel, other dt", "floats of state"],
+        [*head, "in compiled code, other dt", "floats of state"],
         rows,
     )
 
@@ -176,11 +176,11 @@ def peers() -> None:
 
 if __name__ == "__main__":
     parts = {
-        "kernels": kernels,
+        "sums": exponential_sums,
         "accuracy": accuracy,
         "growth": growth,
         "cost": cost,
         "peers": peers,
     }
-    for part in sys.argv[1:] or ["kernels", "accuracy", "growth", "cost"]:
+    for part in sys.argv[1:] or ["sums", "accuracy", "growth", "cost"]:
         parts[part]()

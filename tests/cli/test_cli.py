@@ -121,7 +121,7 @@ def test_a_study_leaves_its_runs_their_distribution_and_the_worst_and_goes_on(tm
             return set(database.execute("SELECT seed, parameters, seconds FROM runs"))
 
     file.write_text(STUDY.format(repeats=2))
-    refused = fotsmc("study", file.name, "--figure", "tail_error", cwd=tmp_path)
+    refused = fotsmc("study", file.name, "--metric", "tail_error", cwd=tmp_path)
     assert refused.returncode == 2
     assert "tail_rms_error" in refused.stderr
     assert not store.exists()

@@ -1,4 +1,4 @@
-"""The two-link case: its formulas, and the figures that an independent implementation gave."""
+"""The two-link case: its formulas, and the numbers that an independent implementation gave."""
 
 import math
 

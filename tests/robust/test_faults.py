@@ -44,9 +44,9 @@ class TestSensors:
         q, v = kinova.neutral, np.ones(6)
         rows = [sensor(0.0, q, v) for _ in range(3000)]
         e = np.array([kinova.difference(q, each) for each, _ in rows])
-        ed = np.array([each - v for _, each in rows])
+        e_dot = np.array([each - v for _, each in rows])
         np.testing.assert_allclose(e.std(axis=0), 1e-3, rtol=0.1)
-        np.testing.assert_allclose(ed.std(axis=0), 0.1, rtol=0.1)
+        np.testing.assert_allclose(e_dot.std(axis=0), 0.1, rtol=0.1)
         sensor.reset()
         np.testing.assert_array_equal(sensor(0.0, q, v)[0], rows[0][0])
 

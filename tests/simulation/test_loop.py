@@ -22,7 +22,7 @@ def test_rows_are_the_ticks_from_zero_to_the_duration(two_link):
     np.testing.assert_allclose(rec.t, 2e-3 * np.arange(51))
     assert rec.signals["s"].shape == rec.tau.shape == (51, 2)
     sparse = simulate(two_link, controller, Hold(two_link), 0.1, record_every=10)
-    for name in ("t", "q", "v", "q_d", "v_d", "e", "ed", "tau"):
+    for name in ("t", "q", "v", "q_d", "v_d", "e", "e_dot", "tau"):
         np.testing.assert_array_equal(getattr(sparse, name), getattr(rec, name)[::10])
     np.testing.assert_array_equal(sparse.signals["s"], rec.signals["s"][::10])
 
@@ -38,7 +38,7 @@ def test_a_run_starts_on_the_reference_or_where_it_is_told(arm):
         arm, ComputedTorque(arm, 1e-3), reference, 0.002, q0=elsewhere, v0=np.zeros(arm.nv)
     )
     np.testing.assert_allclose(rec.e[0], 0.1, atol=1e-12)
-    np.testing.assert_allclose(rec.ed[0], -v_d)
+    np.testing.assert_allclose(rec.e_dot[0], -v_d)
 
 
 def test_the_same_run_twice_is_the_same_bit_for_bit(arm):

@@ -1,5 +1,7 @@
 """A recording comes back from its file as it was, and no other file passes for one."""
 
+import json
+
 import numpy as np
 import pytest
 
@@ -15,7 +17,7 @@ def rec(arm):
 
 
 def assert_same(again, rec):
-    for name in ("t", "q", "v", "q_d", "v_d", "e", "ed", "tau"):
+    for name in ("t", "q", "v", "q_d", "v_d", "e", "e_dot", "tau"):
         np.testing.assert_array_equal(getattr(again, name), getattr(rec, name))
     assert again.signals.keys() == rec.signals.keys()
     for name, signal in rec.signals.items():
@@ -49,7 +51,7 @@ def test_metadata_tells_how_the_run_was_made(rec):
 def test_the_error_is_the_tangent_from_the_reference(rec):
     for q_d, q, e in zip(rec.q_d, rec.q, rec.e, strict=True):
         np.testing.assert_allclose(e, rec.arm.difference(q_d, q), atol=1e-15)
-    np.testing.assert_array_equal(rec.ed, rec.v - rec.v_d)
+    np.testing.assert_array_equal(rec.e_dot, rec.v - rec.v_d)
     np.testing.assert_allclose(rec.error_norm, np.linalg.norm(rec.e, axis=1))
 
 
@@ -65,6 +67,29 @@ def test_other_files_are_refused(tmp_path, rec):
             Recording.load(path)
     with pytest.raises(FileNotFoundError):
         Recording.load(tmp_path / "none.npz")
+
+
+def in_format(number, path, names):
+    """Write the recording at `path` as another format had it, with its `names` of the arrays."""
+    with np.load(path) as file:
+        arrays = {names.get(name, name): file[name] for name in file.files}
+    header = json.loads(str(arrays["header"])) | {"format": number}
+    np.savez_compressed(path, **arrays | {"header": np.array(json.dumps(header))})
+
+
+def test_a_recording_of_an_older_version_is_read(tmp_path, rec):
+    path = tmp_path / "run.npz"
+    rec.save(path)
+    in_format(2, path, {"e_dot": "ed"})
+    assert_same(Recording.load(path), rec)
+
+
+def test_a_recording_of_a_newer_version_is_refused_by_number(tmp_path, rec):
+    path = tmp_path / "run.npz"
+    rec.save(path)
+    in_format(99, path, {})
+    with pytest.raises(RecordingError, match="format 99, this version reads 2 and 3"):
+        Recording.load(path)
 
 
 def test_a_bent_byte_is_noticed_or_does_no_harm(tmp_path, rec):

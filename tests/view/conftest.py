@@ -31,7 +31,7 @@ def made_up(arm: fp.Arm, *, duration: float = 4.0, dt: float = 1e-3, **parts: An
         "q_d": np.array([arm.from_joint_positions(p) for p in start + swing]),
         "v_d": rate * 0.35 * np.cos(np.outer(t, rate)),
         "e": error,
-        "ed": -2.0 * error,
+        "e_dot": -2.0 * error,
         "tau": 0.6 * limit * np.cos(np.outer(t, rate)),
         "signals": {"s": 10.0 * error, "b_hat": np.outer(t, np.ones(2))},
         "arm": arm,

@@ -87,7 +87,7 @@ arm = fp.load_arm("two_link")
 import numpy as np
 t = np.arange(100) * 1e-2
 zero = np.zeros((100, 2))
-rec = fp.Recording(t=t, q=zero, v=zero, q_d=zero, v_d=zero, e=zero, ed=zero, tau=zero,
+rec = fp.Recording(t=t, q=zero, v=zero, q_d=zero, v_d=zero, e=zero, e_dot=zero, tau=zero,
                    signals={{}}, arm=arm)
 fp.export_html(rec, {str(tmp_path / "a.html")!r})
 fp.plot(rec, {str(tmp_path / "a.png")!r})
@@ -147,7 +147,7 @@ def test_a_single_sample_makes_a_page(two_link, tmp_path):
 
     arrays = {
         name: getattr(two_link, name)[:1]
-        for name in ("t", "q", "v", "q_d", "v_d", "e", "ed", "tau")
+        for name in ("t", "q", "v", "q_d", "v_d", "e", "e_dot", "tau")
     }
     one = dataclasses.replace(two_link, signals={}, **arrays)
     assert fp.export_html(one, tmp_path / "a.html").stat().st_size > 0

@@ -111,7 +111,7 @@ def test_a_continuous_joint_that_turns_on_is_drawn_without_jumps(make_recording)
     q = np.array([arm.from_joint_positions(a) for a in angle])
     zero = np.zeros((len(t), arm.nv))
     run = make_recording(
-        arm, t=t, q=q, q_d=q, e=zero, ed=zero, v=zero, v_d=zero, tau=zero, signals={}
+        arm, t=t, q=q, q_d=q, e=zero, e_dot=zero, v=zero, v_d=zero, tau=zero, signals={}
     )
     line = view.tracking_figure(run, joints=[0]).axes[0].get_lines()[0]
     assert np.ptp(line.get_ydata()) == pytest.approx(2.0 * t[-1], rel=1e-6)

@@ -85,8 +85,8 @@ class SoftStart(SharesNothing):
         if self._t >= T:
             return q_d, v_d, a_d
         u = self._t / T
-        e, ed = self._offset
-        ed = T * ed
+        e, e_dot = self._offset
+        e_dot = T * e_dot
         p = 1.0 - u**3 * (10.0 - 15.0 * u + 6.0 * u * u)
         r = u - u**3 * (6.0 - 8.0 * u + 3.0 * u * u)
         p_dot = -30.0 * u * u * (1.0 - u) ** 2
@@ -94,7 +94,7 @@ class SoftStart(SharesNothing):
         p_ddot = -60.0 * u * (1.0 - u) * (1.0 - 2.0 * u)
         r_ddot = -u * (36.0 - 96.0 * u + 60.0 * u * u)
         return (
-            self.arm.integrate(q_d, e * p + ed * r),
-            v_d + (e * p_dot + ed * r_dot) / T,
-            a_d + (e * p_ddot + ed * r_ddot) / T**2,
+            self.arm.integrate(q_d, e * p + e_dot * r),
+            v_d + (e * p_dot + e_dot * r_dot) / T,
+            a_d + (e * p_ddot + e_dot * r_ddot) / T**2,
         )

@@ -1,0 +1,1 @@
+"""Evaluation of control laws over many runs: hard scenarios, studies, and the tuning of gains."""

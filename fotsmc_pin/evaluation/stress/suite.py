@@ -1,0 +1,78 @@
+"""`stress`: controllers times arms, in the one scenario that is hard on all of them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, TypeAlias
+
+from fotsmc_pin import checks
+from fotsmc_pin.arms import load_arm
+from fotsmc_pin.control import CONTROLLERS, Controller
+from fotsmc_pin.evaluation.stress.scenario import DT, DURATION, stress_scenario
+from fotsmc_pin.evaluation.stress.table import StressRow, run_row
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping
+
+    from fotsmc_pin.arms import Arm
+
+    Maker: TypeAlias = Callable[[Arm, float], Controller]
+
+PREFERRED_PRESETS = ("practical", "pid", "boundary_layer")
+"""Presets for use on an arm, where a law has one; the first preset of a law is its printed form."""
+
+
+def stress(
+    arms: Iterable[Arm | str],
+    controllers: Iterable[str] | Mapping[str, Maker] | None = None,
+    *,
+    duration: float = DURATION,
+    seed: int = 0,
+    progress: Callable[[float], None] | None = None,
+) -> list[StressRow]:
+    """Run every controller on every arm in the stress scenario (`stress_scenario`), at 1 kHz.
+
+    Args:
+        arms: arms, or what `load_arm` takes.
+        controllers: names of laws, or makers `(arm, dt) -> Controller` by label; all laws by
+            default. A law by name runs with its preset for practice, or its default gains.
+        duration: simulated time of each run [s]; the last half is the tail.
+        seed: of the noise.
+        progress: is told the fraction done.
+
+    Returns:
+        One row per arm and controller.
+
+    Raises:
+        ArgumentError: an unknown name of a law.
+        ArmNotFoundError: an unknown arm.
+
+    Warns:
+        GravityWarning: gravity asks an arm for more than its effort limits.
+    """
+    loaded = [load_arm(arm) if isinstance(arm, str) else arm for arm in arms]
+    makers = _makers(controllers)
+    rows = []
+    for arm in loaded:
+        scenario = stress_scenario(arm, seed=seed)
+        for label, make in makers.items():
+            rows.append(run_row(scenario, make(arm, DT), label, duration))
+            if progress is not None:
+                progress(len(rows) / (len(loaded) * len(makers)))
+    return rows
+
+
+def _makers(controllers: Iterable[str] | Mapping[str, Maker] | None) -> dict[str, Maker]:
+    if controllers is None:
+        controllers = CONTROLLERS
+    if not isinstance(controllers, dict) or controllers is CONTROLLERS:
+        laws = [
+            CONTROLLERS[checks.choice("controllers", name, [*CONTROLLERS])] for name in controllers
+        ]
+        return {law.__name__: law_maker(law) for law in laws}
+    return dict(controllers)
+
+
+def law_maker(law: type[Controller]) -> Maker:
+    """Return what makes a controller of `law` with its preset for practice."""
+    preset = next((name for name in PREFERRED_PRESETS if name in law.presets), None)
+    return lambda arm, dt: law(arm, dt, preset=preset)

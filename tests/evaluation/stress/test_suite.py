@@ -1,0 +1,138 @@
+"""The stress suite: the scenario is what it says, and the law passes it untuned."""
+
+import numpy as np
+import pytest
+
+import fotsmc_pin as fp
+from fotsmc_pin.control import ComputedTorque, GravityWarning, RobustFONFTSM
+from fotsmc_pin.errors import ArgumentError
+from fotsmc_pin.evaluation.stress import (
+    VARIANTS,
+    ablate,
+    best_pid,
+    markdown,
+    random_scenario,
+    run_random_scenarios,
+    stress,
+    stress_scenario,
+)
+from fotsmc_pin.evaluation.stress.scenario import DT
+from fotsmc_pin.evaluation.stress.table import StressRow, run_row
+
+
+class Pusher:
+    """Drives every joint as hard as it can, always the same way."""
+
+    dt = DT
+
+    def __init__(self, arm):
+        self.effort = arm.effort_limit
+
+    def update(self, *_):
+        return self.effort
+
+    def reset(self):
+        pass
+
+
+class TestScenario:
+    def test_the_plant_is_heavier_and_rubs(self):
+        arm = fp.load_arm("panda")
+        scenario = stress_scenario(arm)
+        masses = [sum(i.mass for i in each.model.inertias[1:]) for each in (arm, scenario.true)]
+        assert masses[1] == pytest.approx(1.3 * masses[0] + 3.0)
+        # The wrist's limit is 12 N·m, below 20.
+        np.testing.assert_allclose(scenario.true.friction, [0.5] * 4 + [0.3] * 3)
+        np.testing.assert_allclose(scenario.true.damping, [0.5] * 4 + [0.3] * 3)
+        start = arm.difference(scenario.reference(0.0)[0], scenario.q0)
+        np.testing.assert_allclose(start, 0.2, atol=1e-12)
+
+    def test_an_arm_without_a_rating_carries_a_tenth_of_its_mass(self):
+        arm = fp.load_arm("two_link")
+        scenario = stress_scenario(arm)
+        masses = [sum(i.mass for i in each.model.inertias[1:]) for each in (arm, scenario.true)]
+        assert masses[1] == pytest.approx(1.4 * masses[0])
+
+    def test_one_seed_gives_one_run(self):
+        scenario = stress_scenario(fp.load_arm("two_link"), seed=3)
+        runs = [scenario.run(RobustFONFTSM(scenario.arm, DT), 0.3) for _ in range(2)]
+        np.testing.assert_array_equal(runs[0].tau, runs[1].tau)
+        other = stress_scenario(fp.load_arm("two_link"), seed=4)
+        assert (other.run(RobustFONFTSM(scenario.arm, DT), 0.3).tau != runs[0].tau).any()
+
+    def test_an_arm_that_cannot_hold_itself_warns_before_the_run(self):
+        with pytest.warns(GravityWarning, match="talos_arm: gravity exceeds"):
+            stress_scenario(fp.load_arm("talos_arm"))
+
+
+@pytest.mark.parametrize(
+    ("name", "tail"),
+    [("panda", 1e-3), ("ur10", 2e-3), ("kinova", 2e-3), ("so100", 2e-3), ("two_link", 1e-4)],
+)
+def test_robust_fonftsm_passes_untuned(name, tail):
+    (row,) = stress([name], ["RobustFONFTSM"])
+    assert not row.diverged
+    assert row.tail_rms_error <= tail
+    assert row.settling_time < 3.0
+
+
+class TestStress:
+    def test_own_makers_are_run_by_their_labels(self):
+        makers = {"stiff": lambda arm, dt: ComputedTorque(arm, dt, kp=2500.0, kd=100.0)}
+        (row,) = stress([fp.load_arm("asr_twodof")], makers, duration=0.5)
+        assert (row.arm, row.controller) == ("asr_twodof", "stiff")
+        assert "| asr_twodof | stiff |" in markdown([row])
+
+    def test_an_unknown_law_is_named(self):
+        with pytest.raises(ArgumentError, match="RobustFONFTSM"):
+            stress(["two_link"], ["RobustFONTSM"])
+
+    def test_a_divergence_is_a_row(self):
+        scenario = stress_scenario(fp.load_arm("so100"))
+        row = run_row(scenario, Pusher(scenario.arm), "pusher", 2.0)
+        assert row.diverged
+        assert "| yes |" in markdown([row])
+
+
+def test_the_search_is_never_worse_than_where_it_starts():
+    pytest.importorskip("optuna")
+    scenario = stress_scenario(fp.load_arm("asr_twodof"))
+    preset = ComputedTorque(scenario.arm, DT, preset="pid")
+    start = run_row(scenario, preset, "start", 1.0)
+    row, gains = best_pid(scenario, trials=6, duration=1.0)
+    assert row.tail_rms_error <= start.tail_rms_error
+    again = run_row(scenario, ComputedTorque(scenario.arm, DT, **gains), row.controller, 1.0)
+    assert again == row
+
+
+def test_the_ablation_switches_one_ingredient_off_at_a_time():
+    arm, seen = fp.load_arm("two_link"), []
+    full = RobustFONFTSM(arm, DT).gains.as_dict()
+
+    def note(law, label):
+        gains = law.gains.as_dict()
+        seen.append({name for name, value in gains.items() if value != full[name]})
+        return StressRow(arm=arm.name, controller=label)
+
+    assert [row.controller for row in ablate(note, arm, DT)] == [*VARIANTS]
+    assert seen[0] == set()
+    assert all(len(changed) == 1 for changed in seen[1:])
+
+
+class TestRandomScenarios:
+    def test_a_seed_gives_its_scenario_again(self):
+        arm = fp.load_arm("panda")
+        first, second = random_scenario(arm, 5), random_scenario(arm, 5)
+        assert first.true == second.true
+        assert (first.delay, first.position_noise) == (second.delay, second.position_noise)
+        np.testing.assert_array_equal(first.q0, second.q0)
+        assert random_scenario(arm, 6).true != first.true
+
+    def test_the_worst_comes_first_and_can_be_run_alone(self):
+        arm = fp.load_arm("panda")
+        done = run_random_scenarios(arm, 4, duration=1.0)
+        tails = [found.row.tail_rms_error for found in done]
+        assert tails == sorted(tails, reverse=True)
+        assert not any(found.row.diverged for found in done)
+        alone = run_random_scenarios(arm, 1, first_seed=done[0].seed, duration=1.0)
+        assert alone == done[:1]

@@ -1,0 +1,87 @@
+"""`ClosedLoop`, and a study from a TOML file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import fotsmc_pin as fp
+from fotsmc_pin.errors import ArgumentError, StudyError
+from fotsmc_pin.evaluation.studies import read_study
+
+EXAMPLE = Path(__file__).parents[3] / "examples/panda_study.toml"
+
+
+@pytest.fixture(scope="module")
+def loop():
+    return fp.ClosedLoop(arm="two_link", controller="ComputedTorque", duration=0.1)
+
+
+def test_a_row_can_be_had_again_as_a_whole_run(loop):
+    draws = {"mass_scale": fp.Uniform(0.5, 1.5), "start_error": [0.01, 0.02]}
+    found = fp.study(loop, draws=draws, repeats=3, jobs=1)
+    row = found.worst("rms_error")
+    rec = loop.record(row.parameters, row.seed)
+    assert fp.summarize(rec).as_dict() == row.metrics
+    assert rec.error_norm[0] == pytest.approx(row.parameters["start_error"] * np.sqrt(2))
+
+
+def test_parameters_take_the_place_of_fields_and_gains(loop):
+    changed = loop.having({"gains.kp": 100.0, "duration": 0.2})
+    assert (changed.gains, changed.duration) == ({"kp": 100.0}, 0.2)
+    assert (loop.gains, loop.duration) == ({}, 0.1)
+    assert changed.record({}, 0).metadata["gains"]["kp"] == 100.0
+
+
+def test_a_perturbation_within_a_run_is_drawn_from_its_seed(loop):
+    drawn = loop.having({"mass_scale": fp.Uniform(0.5, 2.0)})
+    first, second = (drawn.record({}, seed).arm.urdf for seed in (1, 2))
+    assert first != second
+    assert drawn.record({}, 1).arm.urdf == first
+
+
+def test_an_unknown_parameter_is_named_with_its_neighbour(loop):
+    with pytest.raises(ArgumentError, match="did you mean payload"):
+        loop({"paylod": 1.0}, 0)
+    with pytest.raises(ArgumentError, match="controller"):
+        fp.ClosedLoop(arm="two_link", controller="PID")
+
+
+def test_whatever_changes_the_outcome_changes_the_identity(loop):
+    same = fp.ClosedLoop(arm="two_link", controller="ComputedTorque", duration=0.1)
+    assert same.identity == loop.identity
+    others = [
+        loop.having({"duration": 0.2}),
+        loop.having({"gains.kp": 1.0}),
+        loop.having({"payload": fp.Uniform(0.0, 1.0)}),
+        loop.having({"arm": fp.load_arm("two_link")}),
+        loop.having({"arm": fp.load_arm("two_link_true")}),
+    ]
+    assert len({loop.identity, *(other.identity for other in others)}) == 6
+
+
+def test_the_example_file_describes_a_thousand_panda_runs():
+    run, arguments = read_study(EXAMPLE)
+    assert (run.arm, run.duration) == ("panda", 3.0)
+    assert arguments["repeats"] * len(arguments["grid"]["controller"]) == 1000
+    assert arguments["draws"]["payload"] == fp.Uniform(0.0, 2.0)
+
+
+@pytest.mark.parametrize(
+    ("text", "error", "says"),
+    [
+        ("repeats = [", StudyError, "TOML"),
+        ("[runs]\narm = 'panda'", ArgumentError, "runs"),
+        ("[study]\nrepeat = 3\n[run]\narm = 'panda'", ArgumentError, "repeat"),
+        ("[run]\narms = 'panda'", ArgumentError, "arms"),
+        ("[run]\npayload = 1.0", StudyError, "needs an arm"),
+        ("[run]\narm = 'panda'\npayload = { low = 2, high = 1 }", ArgumentError, "high"),
+    ],
+)
+def test_a_file_that_describes_no_study_is_refused(tmp_path, text, error, says):
+    file = tmp_path / "study.toml"
+    file.write_text(text)
+    with pytest.raises(error, match=says):
+        read_study(file)
