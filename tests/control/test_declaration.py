@@ -3,6 +3,7 @@
 import re
 import warnings
 from dataclasses import dataclass, fields
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -151,3 +152,13 @@ class TestAWarningPointsAtTheUsersLine:
 def test_an_arm_is_asked_for_by_name_of_the_argument():
     with pytest.raises(fp.errors.ArgumentError, match="arm = 'panda': give an arm"):
         RobustFONFTSM("panda", 1e-3)
+
+
+def test_the_recipes_law_with_memory_is_short_and_private_to_nobody():
+    """The page's code itself is run with all other pages."""
+    page = (Path(__file__).parents[2] / "docs/recipes/new-controller.md").read_text("utf-8")
+    blocks = re.findall(r"```python\n(.*?)```", page, flags=re.DOTALL)
+    (recipe,) = [block for block in blocks if "class State" in block]
+    lines = [line for line in recipe.splitlines() if line.strip()]
+    assert len(lines) <= 40
+    assert not re.search(r"(?<![\w])_(?!_)\w+|\._\w+", recipe)
