@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1] / "fotsmc_pin"
-GROUND = {"errors", "checks", "compiled", "files"}
+GROUND = {"errors", "checks", "compiled", "files", "progress"}
 
 MAY_IMPORT = {
     "fractional": set(),

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from fotsmc_pin.cli.output import Force, plain_console, progress_bar, result_folder
+from fotsmc_pin.cli.output import Force, plain_console, result_folder
 from fotsmc_pin.files import write_json, write_text
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from rich.table import Table
 
@@ -62,18 +62,16 @@ def stress(
     seeds: list[int] = []
     for name in arms:
         arm = load_arm(name)
-        with progress_bar(name) as report:
-            if draws:
-                drawn = run_draws(arm, draws, first_seed=first_seed, progress=report)
-                rows += [draw.row for draw in drawn]
-                seeds += [draw.seed for draw in drawn]
-            elif ablation:
-                rows += _ablation(arm, seed, duration)
-            else:
-                rows += run_suite([arm], controller, duration=duration, seed=seed, progress=report)
+        if draws:
+            drawn = run_draws(arm, draws, first_seed=first_seed, progress=True)
+            rows += [draw.row for draw in drawn]
+            seeds += [draw.seed for draw in drawn]
+        elif ablation:
+            rows += _ablation(arm, seed, duration)
+        else:
+            rows += run_suite([arm], controller, duration=duration, seed=seed, progress=True)
         if pid_trials:
-            with progress_bar(f"{name}: best PID") as report:
-                rows.append(_best_pid(arm, pid_trials, pid_variation, seed, duration, report))
+            rows.append(_best_pid(arm, pid_trials, pid_variation, seed, duration))
         if folder is not None:
             _write(folder, rows, seeds)
     console = plain_console()
@@ -88,9 +86,9 @@ def _ablation(arm: Arm, seed: int, duration: float) -> list[StressRow]:
     from fotsmc_pin.stress_suite.table import run_row
 
     case = scenario(arm, seed=seed)
-    rows = ablate(lambda law, label: run_row(case, law, label, duration), arm, DT)
+    rows = ablate(lambda law, label: run_row(case, law, label, duration), arm, DT, progress=True)
     if arm.name == "two_link":
-        rows += ablate(_printed_case, arm, DT)
+        rows += ablate(_printed_case, arm, DT, progress=True)
     return rows
 
 
@@ -108,7 +106,6 @@ def _best_pid(
     variation: float,
     seed: int,
     duration: float,
-    report: Callable[[float], None],
 ) -> StressRow:
     from fotsmc_pin.control import RobustFONFTSM
     from fotsmc_pin.stress_suite import best_pid, scenario
@@ -126,7 +123,7 @@ def _best_pid(
         seed=seed,
         duration=duration,
         largest_variation=largest,
-        progress=report,
+        progress=True,
     )
     shown = ", ".join(f"{name} {value:.3g}" for name, value in gains.items())
     return replace(row, controller=f"best PID of {trials} ({shown})")

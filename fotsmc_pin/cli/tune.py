@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fotsmc_pin.cli.output import plain_console, progress_bar
+from fotsmc_pin.cli.output import plain_console
 from fotsmc_pin.files import write_text
 
 if TYPE_CHECKING:
@@ -52,18 +52,17 @@ def tune(
     start = law_maker(law)(nominal, DT).gains.as_dict()
     folder = out or Path("out") / f"tune_{nominal.name}_{controller}"
     folder.mkdir(parents=True, exist_ok=True)
-    with progress_bar(f"{nominal.name}, {controller}") as report:
-        front = search(
-            law,
-            _runner(law, nominal, start, seed, duration),
-            folder / "search.log",
-            start=start,
-            trials=trials,
-            objective=objective,
-            largest_torque=largest_torque,
-            seed=seed,
-            progress=report,
-        )
+    front = search(
+        law,
+        _runner(law, nominal, start, seed, duration),
+        folder / "search.log",
+        start=start,
+        trials=trials,
+        objective=objective,
+        largest_torque=largest_torque,
+        seed=seed,
+        progress=True,
+    )
     console = plain_console()
     if not front:
         console.print("Every trial diverged or broke its torque limit.")

@@ -11,15 +11,15 @@ from fotsmc_pin import checks
 from fotsmc_pin.arms import perturb
 from fotsmc_pin.arms.draw import Uniform
 from fotsmc_pin.control import CONTROLLERS, Controller, RobustFONFTSM
+from fotsmc_pin.progress import reporting
 from fotsmc_pin.references import Sinusoid
 from fotsmc_pin.stress_suite.payloads import stress_payload
 from fotsmc_pin.stress_suite.scenario import DT, Scenario
 from fotsmc_pin.stress_suite.table import StressRow, run_row
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from fotsmc_pin.arms import Arm
+    from fotsmc_pin.progress import Progress
 
 DURATION = 4.0
 
@@ -84,7 +84,7 @@ def run_draws(
     law: type[Controller] | str = RobustFONFTSM,
     first_seed: int = 0,
     duration: float = DURATION,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress = False,
 ) -> list[Draw]:
     """Run a law on many draws, worst first: diverged ones, then by tail RMS error.
 
@@ -94,14 +94,15 @@ def run_draws(
         law: the law, or its name, with its default gains.
         first_seed: the draws have this seed and those after it.
         duration: simulated time of each run [s].
-        progress: is told the fraction done.
+        progress: True shows a bar on standard error; a callable is told the fraction done.
     """
     if isinstance(law, str):
         law = CONTROLLERS[checks.choice("law", law, [*CONTROLLERS])]
     controller, done = law(arm, DT), []
-    for seed in range(first_seed, first_seed + checks.count("draws", draws)):
-        row = run_row(draw_case(arm, seed), controller, law.__name__, duration)
-        done.append(Draw(seed=seed, row=row))
-        if progress is not None:
-            progress(len(done) / draws)
+    checks.count("draws", draws)
+    with reporting(progress, f"{law.__name__}, {arm.name}") as report:
+        for seed in range(first_seed, first_seed + draws):
+            row = run_row(draw_case(arm, seed), controller, law.__name__, duration)
+            done.append(Draw(seed=seed, row=row))
+            report(len(done) / draws)
     return sorted(done, key=lambda draw: (not draw.row.diverged, -draw.row.tail_rms_error))

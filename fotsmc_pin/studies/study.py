@@ -6,7 +6,7 @@ import hashlib
 from typing import TYPE_CHECKING, Any
 
 from fotsmc_pin.errors import ArgumentError
-from fotsmc_pin.simulation.progress import reporting
+from fotsmc_pin.progress import reporting
 from fotsmc_pin.studies.cases import cases
 from fotsmc_pin.studies.result import Study
 from fotsmc_pin.studies.store import Store
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Callable
 
+    from fotsmc_pin.progress import Progress
     from fotsmc_pin.studies.cases import Draws, Grid
 
 
@@ -30,7 +31,7 @@ def study(
     store: str | os.PathLike[str] | None = None,
     scheduler: str | None = None,
     retry_failed: bool = False,
-    progress: bool | Callable[[float], None] = False,
+    progress: Progress = False,
 ) -> Study:
     """Run every point of a grid, each with random draws, and collect the figures.
 
@@ -51,7 +52,7 @@ def study(
             nothing.
         scheduler: address of a Dask scheduler, in place of processes on this machine.
         retry_failed: run those again that the store holds as failed.
-        progress: True shows a bar with the time left; a callable is told the fraction done.
+        progress: True shows a bar on standard error; a callable is told the fraction done.
 
     Returns:
         All rows, in the order of the grid and the draws.
