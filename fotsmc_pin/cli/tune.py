@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fotsmc_pin.cli.output import plain_console
-from fotsmc_pin.files import write_text
+from fotsmc_pin.files import markdown_table, write_text
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -113,6 +113,5 @@ def _table(front: Sequence[FrontPoint], error: str) -> Table:
 
 
 def _markdown(front: Sequence[FrontPoint], error: str) -> str:
-    lines = [(error, "torque variation [N·m/s]", "gains"), ("---", "---", "---")]
-    lines += [_cells(point) for point in front]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines) + "\n"
+    head = (error, "torque variation [N·m/s]", "gains")
+    return markdown_table(head, map(_cells, front), align="rrl")
