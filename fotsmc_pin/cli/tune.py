@@ -45,7 +45,7 @@ def tune(
     from fotsmc_pin.stress_suite.scenario import DT
     from fotsmc_pin.stress_suite.suite import law_maker
     from fotsmc_pin.tuning import tune as search
-    from fotsmc_pin.view.front import plot_front
+    from fotsmc_pin.view import front_figure, save_figure
 
     law = CONTROLLERS[choice("--controller", controller, [*CONTROLLERS])]
     nominal = load_arm(arm)
@@ -69,7 +69,8 @@ def tune(
         return
     points = [(point.error, point.torque_variation) for point in front]
     unit = UNITS[objective]
-    plot_front(points, folder / "front.png", f"{objective.replace('_', ' ')} [{unit}]")
+    shown = front_figure(points, f"{objective.replace('_', ' ')} [{unit}]")
+    save_figure(shown, folder / "front.png")
     error = f"{objective} [{unit}]"
     write_text(folder / "front.md", _markdown(front, error))
     console.print(_table(front, error))
