@@ -27,8 +27,8 @@ ARMS = (
     *("asr_twodof", "finger_edu", "double_pendulum", "baxter"),
 )
 HEAD = (
-    *("arm", "files", "triangles", "read, ours [ms]", "read, trimesh [ms]", "ratio"),
-    *("largest difference of a colour", "parts left out", "page, ours [MB]", "page, trimesh [MB]"),
+    *("arm", "files", "triangles", "ours [ms]", "trimesh [ms]", "ratio"),
+    *("colours differ by", "parts lost", "page [MB]", "by trimesh [MB]"),
 )
 ROUNDS = 7
 
