@@ -1,4 +1,4 @@
-"""Writing files whole: into a temporary file beside the target, then renamed over it."""
+"""Writing files whole, into a temporary file beside the target, then renamed over it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 
 @contextmanager
@@ -43,6 +43,25 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
 def write_json(path: str | os.PathLike[str], data: Mapping[str, Any]) -> None:
     """Write plain data as indented JSON; infinity is written as the word "inf"."""
     write_text(path, json.dumps(_finite(data), indent=2, ensure_ascii=False) + "\n")
+
+
+def markdown_table(head: Sequence[str], rows: Iterable[Sequence[str]], align: str) -> str:
+    """Return a Markdown table.
+
+    Args:
+        head: title of each column.
+        rows: cells of each row, as they are to be read: no text is taken for a number.
+        align: "l" or "r" for each column.
+    """
+    rules = [{"l": "---", "r": "---:"}[side] for side in align]
+    return "".join(
+        f"| {' | '.join(cells)} |\n"
+        for cells in (_one_line(head), rules, *(_one_line(row) for row in rows))
+    )
+
+
+def _one_line(cells: Sequence[str]) -> list[str]:
+    return [" ".join(cell.replace("|", "\\|").split()) for cell in cells]
 
 
 def _finite(value: Any) -> Any:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from fotsmc_pin.cli.output import Force, plain_console, progress_bar, result_folder
+from fotsmc_pin.cli.output import Force, plain_console, result_folder
 
 
 def reproduce(
@@ -20,8 +20,7 @@ def reproduce(
     from fotsmc_pin.paper.reproduce import reproduce as run_the_paper
 
     folder = result_folder(out, force=force)
-    with progress_bar("the two-link case") as report:
-        verdicts = run_the_paper(folder, report)
+    verdicts = run_the_paper(folder, progress=True)
 
     table = Table(title="The paper's claims", title_justify="left")
     for column in ("where", "claim", "holds"):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fotsmc_pin.cli.output import Force, plain_console, progress_bar, result_folder
+from fotsmc_pin.cli.output import Force, plain_console, result_folder
 from fotsmc_pin.errors import ArgumentError, DivergenceError
 
 if TYPE_CHECKING:
@@ -55,16 +55,15 @@ def simulate(
     q_start, _, _ = reference(0.0)
     folder = result_folder(out or Path("out") / nominal.name, force=force)
     try:
-        with progress_bar(nominal.name) as report:
-            rec = run(
-                true,
-                ctl,
-                reference,
-                duration,
-                q0=nominal.integrate(q_start, [start_error] * nominal.nv),
-                substeps=substeps,
-                progress=report,
-            )
+        rec = run(
+            true,
+            ctl,
+            reference,
+            duration,
+            q0=nominal.integrate(q_start, [start_error] * nominal.nv),
+            substeps=substeps,
+            progress=True,
+        )
     except DivergenceError as error:
         error.recording.save(folder / "run.npz")
         raise

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from fotsmc_pin.cli.output import Force, plain_console, progress_bar, result_folder
+from fotsmc_pin.cli.output import Force, plain_console, result_folder
 from fotsmc_pin.files import write_json, write_text
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from rich.table import Table
 
@@ -62,18 +62,16 @@ def stress(
     seeds: list[int] = []
     for name in arms:
         arm = load_arm(name)
-        with progress_bar(name) as report:
-            if draws:
-                drawn = run_random_scenarios(arm, draws, first_seed=first_seed, progress=report)
-                rows += [found.row for found in drawn]
-                seeds += [found.seed for found in drawn]
-            elif ablation:
-                rows += _ablation(arm, seed, duration)
-            else:
-                rows += run_suite([arm], controller, duration=duration, seed=seed, progress=report)
+        if draws:
+            drawn = run_random_scenarios(arm, draws, first_seed=first_seed, progress=True)
+            rows += [found.row for found in drawn]
+            seeds += [found.seed for found in drawn]
+        elif ablation:
+            rows += _ablation(arm, seed, duration)
+        else:
+            rows += run_suite([arm], controller, duration=duration, seed=seed, progress=True)
         if pid_trials:
-            with progress_bar(f"{name}: best PID") as report:
-                rows.append(_best_pid(arm, pid_trials, pid_variation, seed, duration, report))
+            rows.append(_best_pid(arm, pid_trials, pid_variation, seed, duration))
         if folder is not None:
             _write(folder, rows, seeds)
     console = plain_console()
@@ -88,9 +86,11 @@ def _ablation(arm: Arm, seed: int, duration: float) -> list[StressRow]:
     from fotsmc_pin.evaluation.stress.table import run_row
 
     scenario = stress_scenario(arm, seed=seed)
-    rows = ablate(lambda law, label: run_row(scenario, law, label, duration), arm, DT)
+    rows = ablate(
+        lambda law, label: run_row(scenario, law, label, duration), arm, DT, progress=True
+    )
     if arm.name == "two_link":
-        rows += ablate(_printed_case, arm, DT)
+        rows += ablate(_printed_case, arm, DT, progress=True)
     return rows
 
 
@@ -108,7 +108,6 @@ def _best_pid(
     variation: float,
     seed: int,
     duration: float,
-    report: Callable[[float], None],
 ) -> StressRow:
     from fotsmc_pin.control import RobustFONFTSM
     from fotsmc_pin.evaluation.stress import best_pid, stress_scenario
@@ -126,7 +125,7 @@ def _best_pid(
         seed=seed,
         duration=duration,
         largest_variation=largest,
-        progress=report,
+        progress=True,
     )
     shown = ", ".join(f"{name} {value:.3g}" for name, value in gains.items())
     return replace(row, controller=f"best PID of {trials} ({shown})")

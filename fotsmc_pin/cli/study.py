@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fotsmc_pin.cli.output import Force, plain_console, progress_bar, result_folder
+from fotsmc_pin.cli.output import Force, plain_console, result_folder
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -47,16 +47,15 @@ def study_command(
         result_folder(folder, force=force)
         for old in folder.glob(f"{STORE}*"):
             old.unlink()
-    with progress_bar(file.stem) as report:
-        found = study(
-            run,
-            **arguments,
-            jobs=jobs,
-            store=folder / STORE,
-            scheduler=scheduler,
-            retry_failed=retry_failed,
-            progress=report,
-        )
+    found = study(
+        run,
+        **arguments,
+        jobs=jobs,
+        store=folder / STORE,
+        scheduler=scheduler,
+        retry_failed=retry_failed,
+        progress=True,
+    )
     console = plain_console()
     for row in found.failed[:5]:
         console.print(f"failed: {dict(row.parameters)}: {row.error}")

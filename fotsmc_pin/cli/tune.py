@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fotsmc_pin.cli.output import plain_console, progress_bar
-from fotsmc_pin.files import write_text
+from fotsmc_pin.cli.output import plain_console
+from fotsmc_pin.files import markdown_table, write_text
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -45,32 +45,32 @@ def tune(
     from fotsmc_pin.evaluation.stress.scenario import DT
     from fotsmc_pin.evaluation.stress.suite import law_maker
     from fotsmc_pin.evaluation.tuning import tune as search
-    from fotsmc_pin.view.front import plot_front
+    from fotsmc_pin.view import front_figure, save_figure
 
     law = CONTROLLERS[choice("--controller", controller, [*CONTROLLERS])]
     nominal = load_arm(arm)
     start = law_maker(law)(nominal, DT).gains.as_dict()
     folder = out or Path("out") / f"tune_{nominal.name}_{controller}"
     folder.mkdir(parents=True, exist_ok=True)
-    with progress_bar(f"{nominal.name}, {controller}") as report:
-        front = search(
-            law,
-            _runner(law, nominal, start, seed, duration),
-            folder / "search.log",
-            start=start,
-            trials=trials,
-            objective=objective,
-            largest_torque=largest_torque,
-            seed=seed,
-            progress=report,
-        )
+    front = search(
+        law,
+        _runner(law, nominal, start, seed, duration),
+        folder / "search.log",
+        start=start,
+        trials=trials,
+        objective=objective,
+        largest_torque=largest_torque,
+        seed=seed,
+        progress=True,
+    )
     console = plain_console()
     if not front:
         console.print("Every trial diverged or broke its torque limit.")
         return
     points = [(point.error, point.torque_variation) for point in front]
     unit = UNITS[objective]
-    plot_front(points, folder / "front.png", f"{objective.replace('_', ' ')} [{unit}]")
+    shown = front_figure(points, f"{objective.replace('_', ' ')} [{unit}]")
+    save_figure(shown, folder / "front.png")
     error = f"{objective} [{unit}]"
     write_text(folder / "front.md", _markdown(front, error))
     console.print(_table(front, error))
@@ -116,6 +116,5 @@ def _table(front: Sequence[FrontPoint], error: str) -> Table:
 
 
 def _markdown(front: Sequence[FrontPoint], error: str) -> str:
-    lines = [(error, "torque variation [N·m/s]", "gains"), ("---", "---", "---")]
-    lines += [_cells(point) for point in front]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines) + "\n"
+    head = (error, "torque variation [N·m/s]", "gains")
+    return markdown_table(head, map(_cells, front), align="rrl")

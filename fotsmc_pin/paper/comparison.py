@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from fotsmc_pin.analysis import summarize
+from fotsmc_pin.files import markdown_table
 from fotsmc_pin.paper.cases import CASES
 from fotsmc_pin.paper.contest import PEAK, contestants, stored_gains
 
@@ -71,11 +72,11 @@ def as_markdown(metrics: Metrics) -> str:
             chosen = [row for row in rows if row["case"] == case and row["match"] == match]
             chosen = [_marked(row, setting) for row in chosen]
             chosen.sort(key=lambda row: float(row["itae"]))
-            lines += [f"## {setting.title}: {', '.join(limits)}", "", *_table(chosen), ""]
+            lines += [f"## {setting.title}: {', '.join(limits)}", "", _table(chosen)]
     lines += ["## Readings of the print, with the paper's gains", ""]
     titles = metrics["experiments"]
     runs = [{"name": titles[name], **run} for name, run in metrics["runs"].items()]
-    lines += [*_table(runs), ""]
+    lines += [_table(runs)]
     return "\n".join(lines)
 
 
@@ -87,13 +88,13 @@ def _marked(row: Metrics, setting: ComparisonCase) -> dict[str, Any]:
     return {**row, "name": row["name"] + OVER_LIMIT} if over else dict(row)
 
 
-def _table(rows: list[dict[str, Any]]) -> list[str]:
-    header = ["law", *COLUMNS]
-    lines = ["| " + " | ".join(header) + " |", "|" + "---|" + "---:|" * len(COLUMNS)]
-    for row in rows:
-        cells = [
+def _table(rows: list[dict[str, Any]]) -> str:
+    cells = [
+        [
             "never" if row[key] in ("inf", float("inf")) else format(factor * row[key], form)
             for key, factor, form in COLUMNS.values()
         ]
-        lines.append("| " + " | ".join([row["name"], *cells]) + " |")
-    return lines
+        for row in rows
+    ]
+    named = [[row["name"], *numbers] for row, numbers in zip(rows, cells, strict=True)]
+    return markdown_table(["law", *COLUMNS], named, align="l" + "r" * len(COLUMNS))

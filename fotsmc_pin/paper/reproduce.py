@@ -12,41 +12,44 @@ from fotsmc_pin.paper.contest import run_contest
 from fotsmc_pin.paper.experiments import ALPHAS, EXPERIMENTS, measure, run_all
 from fotsmc_pin.paper.figures import draw_figures
 from fotsmc_pin.paper.verdicts import Verdict, as_markdown
+from fotsmc_pin.progress import reporting
 from fotsmc_pin.view import export_html
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Mapping
     from pathlib import Path
 
+    from fotsmc_pin.progress import Progress
     from fotsmc_pin.simulation import Recording
 
 RUNS_SHARE, CONTEST_SHARE = 0.3, 0.6
 
 
-def reproduce(folder: Path, report: Callable[[float], None]) -> list[Verdict]:
+def reproduce(folder: Path, progress: Progress = False) -> list[Verdict]:
     """Run the case and the comparison, and write what they came to.
 
     `run.npz`, the figures, `metrics.json`, `claims.md`, `comparison.md` and `two_link.html`.
 
     Args:
         folder: where the files go; it must exist.
-        report: told the fraction done.
+        progress: True shows a bar on standard error; a callable is told the fraction done.
 
     Returns:
         The verdicts on the paper's claims.
     """
-    recordings = run_all(lambda fraction: report(RUNS_SHARE * fraction))
-    contest = run_contest(lambda fraction: report(RUNS_SHARE + CONTEST_SHARE * fraction))
-    metrics = metrics_of(recordings) | {"contest": comparison.contest_metrics(contest)}
-    verdicts = judge(metrics)
-    recordings["paper"].save(folder / "run.npz")
-    write_json(folder / "metrics.json", metrics)
-    write_text(folder / "claims.md", as_markdown(verdicts))
-    write_text(folder / "comparison.md", comparison.as_markdown(metrics))
-    draw_figures(recordings, contest, folder)
-    report(0.95)
-    export_html(recordings["paper"], folder / "two_link.html")
-    report(1.0)
+    with reporting(progress, "the two-link case") as report:
+        recordings = run_all(lambda fraction: report(RUNS_SHARE * fraction))
+        contest = run_contest(lambda fraction: report(RUNS_SHARE + CONTEST_SHARE * fraction))
+        metrics = metrics_of(recordings) | {"contest": comparison.contest_metrics(contest)}
+        verdicts = judge(metrics)
+        recordings["paper"].save(folder / "run.npz")
+        write_json(folder / "metrics.json", metrics)
+        write_text(folder / "claims.md", as_markdown(verdicts))
+        write_text(folder / "comparison.md", comparison.as_markdown(metrics))
+        draw_figures(recordings, contest, folder)
+        report(0.95)
+        export_html(recordings["paper"], folder / "two_link.html")
+        report(1.0)
     return verdicts
 
 

@@ -14,10 +14,9 @@ from fotsmc_pin.control import AdaptiveFONFTSM, PaperConditionWarning
 from fotsmc_pin.simulation import simulate
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from fotsmc_pin.arms import Arm
     from fotsmc_pin.control import Controller
+    from fotsmc_pin.progress import Progress
     from fotsmc_pin.simulation import Recording
     from fotsmc_pin.types import Array
 
@@ -79,7 +78,7 @@ def run(
     elbow_mass: str = "printed",
     duration: float = DURATION,
     substeps: int = SUBSTEPS,
-    progress: bool | Callable[[float], None] = False,
+    progress: Progress = False,
 ) -> Recording:
     """Run the case at 1 kHz; the proposed controller with the paper's gains by default."""
     return simulate(

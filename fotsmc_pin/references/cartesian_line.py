@@ -11,7 +11,7 @@ import pinocchio as pin
 from fotsmc_pin.checks import count, finite_number, finite_vector
 from fotsmc_pin.errors import ArgumentError, MissingDependencyError
 from fotsmc_pin.references.path import JointPath
-from fotsmc_pin.references.splines import spline_pieces
+from fotsmc_pin.references.spline import spline_pieces
 from fotsmc_pin.references.timing import motion_limits, stretched_to_limits
 
 if TYPE_CHECKING:
@@ -82,7 +82,7 @@ class CartesianLine(JointPath):
         velocity, acceleration = motion_limits(arm, velocity_limit, acceleration_limit)
 
         def make(breaks: Array) -> CartesianLine:
-            coefficients = spline_pieces(breaks, x, degree=5, rest=True)
+            breaks, coefficients = spline_pieces(breaks, x)
             return cls(arm=arm, breaks=breaks, coefficients=coefficients, deviation=np.nan)
 
         if duration is None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.references.path import JointPath, unwrapped
-from fotsmc_pin.references.splines import spline_pieces
+from fotsmc_pin.references.spline import spline_pieces
 from fotsmc_pin.references.timing import (
     given_times,
     motion_limits,
@@ -61,7 +61,7 @@ class MinimumJerk(JointPath):
         velocity, acceleration = motion_limits(arm, velocity_limit, acceleration_limit)
 
         def make(breaks: Array) -> MinimumJerk:
-            coefficients = spline_pieces(breaks, x, degree=5, rest=True)
+            breaks, coefficients = spline_pieces(breaks, x)
             return cls(arm=arm, breaks=breaks, coefficients=coefficients)
 
         if times is None:

@@ -43,18 +43,31 @@ class JointPath:
 
     def __call__(self, t: float) -> tuple[Array, Array, Array]:
         """Return `q_d` (nq,), `v_d` (nv,) and `a_d` (nv,) at time `t` [s], all fresh arrays."""
-        position, velocity, acceleration = self._polynomials
-        x = position(min(max(t, 0.0), self.duration))
-        if 0.0 <= t <= self.duration:
-            v, a = velocity(t), acceleration(t)
-        else:
-            v, a = np.zeros(self.arm.nv), np.zeros(self.arm.nv)
-        return self.arm.from_joint_positions(x), v, a
+        motion = self._motion(min(max(t, 0.0), self.duration))
+        if not 0.0 <= t <= self.duration:
+            motion[1:] = 0.0
+        return self._configuration(motion[0]), motion[1], motion[2]
+
+    def at(self, t: Array) -> tuple[Array, Array, Array]:
+        """Return `q_d` (N, nq), `v_d` and `a_d` (N, nv) at the times `t` (N,) [s]."""
+        motion = self._motion(np.clip(t, 0.0, self.duration))
+        motion[(t < 0.0) | (t > self.duration), 1:] = 0.0
+        x, v_d, a_d = (motion[:, order] for order in range(3))
+        if self.arm.is_euclidean:
+            return x, v_d, a_d
+        return np.array([self._configuration(row) for row in x]), v_d, a_d
+
+    def _configuration(self, x: Array) -> Array:
+        return x if self.arm.is_euclidean else self.arm.from_joint_positions(x)
 
     @cached_property
-    def _polynomials(self) -> tuple[PPoly, PPoly, PPoly]:
+    def _motion(self) -> PPoly:
+        """Position, velocity and acceleration as one polynomial with values (3, nv): one call."""
         position = PPoly(self.coefficients, self.breaks)
-        return position, position.derivative(1), position.derivative(2)
+        motion = np.zeros((*self.coefficients.shape[:2], 3, self.arm.nv))
+        for order in range(3):
+            motion[order:, :, order] = position.derivative(order).c
+        return PPoly(motion, self.breaks)
 
     def extremes(self, order: int) -> tuple[Array, Array]:
         """Return the least and greatest value of each joint's position or a derivative of it.

@@ -1,25 +1,27 @@
-"""`Spline`: a recorded or computed trajectory, from arrays or a CSV file."""
+"""`Spline`: a recorded or computed trajectory, from arrays or a CSV file; and its polynomials."""
 
 from __future__ import annotations
 
 import csv
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from scipy.interpolate import PPoly, make_interp_spline
 
 from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.references.path import JointPath, unwrapped
-from fotsmc_pin.references.splines import spline_pieces
 from fotsmc_pin.references.timing import motion_limits
 
 if TYPE_CHECKING:
     from os import PathLike
 
-    from numpy.typing import ArrayLike
+    from numpy.typing import ArrayLike, NDArray
 
     from fotsmc_pin.arms import Arm
+
+    Matrix = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -49,9 +51,8 @@ class Spline(JointPath):
             raise ArgumentError("t", t, f"give {len(x)} finite times, one for each configuration")
         if len(x) < 4 or np.any(np.diff(times) <= 0.0):
             raise ArgumentError("t", t, "give at least 4 times, each after the one before")
-        breaks = times - times[0]
         degree = 5 if len(x) >= 6 else 3
-        pieces = spline_pieces(breaks, x, degree=degree, rest=rest)
+        breaks, pieces = spline_pieces(times - times[0], x, degree=degree, rest=rest)
         path = cls(arm=arm, breaks=breaks, coefficients=pieces)
         path.demand_limits("q", q, *motion_limits(arm, None, None))
         return path
@@ -100,6 +101,33 @@ class Spline(JointPath):
         return cls.from_samples(
             arm, table[:, 0], np.reshape(configurations, (-1, arm.nq)), rest=rest
         )
+
+
+def spline_pieces(
+    t: Matrix, x: Matrix, *, degree: int = 5, rest: bool = True
+) -> tuple[Matrix, Matrix]:
+    """Return the spline through samples as the break points and coefficients of a `JointPath`.
+
+    Args:
+        t: times, (n,) [s], increasing, from 0.
+        x: joint positions, (n, nv).
+        degree: 3 or 5; the spline has `degree - 1` continuous derivatives.
+        rest: whether velocity (and acceleration, at degree 5) is zero at both ends; otherwise the
+            ends are free ("not-a-knot"), and the first and last few samples share a polynomial.
+
+    Returns:
+        breaks: (pieces + 1,) [s].
+        coefficients: highest power first, (degree + 1, pieces, nv).
+    """
+    still = [(order, np.zeros(x.shape[1])) for order in range(1, (degree + 1) // 2)]
+    # SciPy takes pairs of (order, value) for each end, which its type stubs do not know.
+    ends: Any = (still, still) if rest else None
+    spline = make_interp_spline(t, x, k=degree, bc_type=ends)
+    weights: Matrix = spline.c
+    # A B-spline repeats its end knots `degree` times: pieces of no length, which are cut off.
+    inner = slice(degree, -degree)
+    columns = [PPoly.from_spline((spline.t, column, degree)).c[:, inner] for column in weights.T]
+    return spline.t[inner], np.stack(columns, axis=-1)
 
 
 def _is_number(text: str) -> bool:

@@ -12,17 +12,16 @@ import numpy as np
 
 from fotsmc_pin import checks
 from fotsmc_pin.errors import ArgumentError, DivergenceError
+from fotsmc_pin.progress import reporting
 from fotsmc_pin.simulation.plant import Plant
-from fotsmc_pin.simulation.progress import reporting
 from fotsmc_pin.simulation.recorder import Recorder
 from fotsmc_pin.simulation.reference_values import reference_values
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import ArrayLike
 
     from fotsmc_pin.arms import Arm
+    from fotsmc_pin.progress import Progress
     from fotsmc_pin.simulation.recording import Recording
     from fotsmc_pin.types import Actuator, Array, Disturbance, Reference, Sensor
 
@@ -63,7 +62,7 @@ def simulate(
     record_every: int = 1,
     jitter: float = 0.0,
     seed: int = 0,
-    progress: bool | Callable[[float], None] = False,
+    progress: Progress = False,
 ) -> Recording:
     """Run `controller` against the true `arm` from time 0.
 
@@ -91,7 +90,7 @@ def simulate(
         jitter: share of a period by which a tick may come early or late, below 0.5; above 0 the
             controller is told the measured period, as `update(..., dt=...)`.
         seed: of the jitter.
-        progress: True shows a bar on the terminal; a callable is told the fraction done.
+        progress: True shows a bar on standard error; a callable is told the fraction done.
 
     Returns:
         The recording. Its last row is at `duration`, or the last recorded tick before.
@@ -128,7 +127,7 @@ def simulate(
         took = time.perf_counter() - started
         return recorder.recording(_metadata(controller, reference, options, took))
 
-    with reporting(progress, "simulating") as report:
+    with reporting(progress, f"{type(controller).__name__}, {arm.name}") as report:
         for first in range(0, ticks, CHUNK):
             report(first / ticks)
             instants = clock[first : min(first + CHUNK, ticks)]

@@ -1,6 +1,5 @@
 """Seeing a run: the offline Meshcat page, and figures for papers."""
 
-from fotsmc_pin.view.distribution import distribution_figure
 from fotsmc_pin.view.export import export_html
 from fotsmc_pin.view.figures import (
     comparison_figure,
@@ -10,6 +9,7 @@ from fotsmc_pin.view.figures import (
     tracking_figure,
     velocity_figure,
 )
+from fotsmc_pin.view.many_runs import distribution_figure, front_figure
 from fotsmc_pin.view.plot import plot
 from fotsmc_pin.view.report import write_report
 from fotsmc_pin.view.style import new_figure, paper_style, save_figure
@@ -18,6 +18,7 @@ __all__ = [
     "comparison_figure",
     "distribution_figure",
     "export_html",
+    "front_figure",
     "new_figure",
     "overview_figure",
     "paper_style",

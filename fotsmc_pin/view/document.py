@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fotsmc_pin.view.collada import PICTURES
 from fotsmc_pin.view.curves import thinned_curves
 from fotsmc_pin.view.framing import Framing, framing
+from fotsmc_pin.view.mesh_files import PICTURES
 from fotsmc_pin.view.meshes import GRID_STEPS, Mesh, thinned
 from fotsmc_pin.view.motion import Motion, frame_rows, motion
 from fotsmc_pin.view.palette import GHOST_COLOR, RUN_COLORS

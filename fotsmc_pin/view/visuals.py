@@ -11,10 +11,9 @@ from xml.etree.ElementTree import ParseError
 import numpy as np
 
 from fotsmc_pin.view import shapes
-from fotsmc_pin.view.collada import read_collada
+from fotsmc_pin.view.mesh_files import read_collada, read_stl
 from fotsmc_pin.view.meshes import Mesh
 from fotsmc_pin.view.skeleton import skeleton
-from fotsmc_pin.view.stl import read_stl
 
 if TYPE_CHECKING:
     from fotsmc_pin.arms import Arm

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from fotsmc_pin.files import markdown_table
+
 OUT = Path(__file__).parents[2] / "test-output/benchmarks.md"
 PACKAGES = ("fotsmc_pin", "pin", "numpy", "numba", "mujoco", "drake", "roboticstoolbox-python")
 TABLES = pytest.StashKey[dict[str, list[list[str]]]]()
@@ -37,10 +39,7 @@ def pytest_terminal_summary(terminalreporter, config):
 
 def markdown(title, rows):
     head, *body = rows
-    lines = [f"\n### {title}\n", "| " + " | ".join(head) + " |"]
-    lines.append("|---|" + "---:|" * (len(head) - 1))
-    lines += ["| " + " | ".join(row) + " |" for row in body]
-    return "\n".join(lines) + "\n"
+    return f"\n### {title}\n\n{markdown_table(head, body, 'l' + 'r' * (len(head) - 1))}"
 
 
 def machine():

@@ -14,23 +14,21 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fotsmc_pin.compiled import kernel
+from fotsmc_pin.files import markdown_table
 from fotsmc_pin.fractional import FractionalDerivative, FractionalIntegral, advance, power_law_sum
 from tests.benchmarks.fractional_peers import compare
 from tests.fractional.oracles import FUNCTIONS, instants
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Sequence
 
     from fotsmc_pin.fractional import Stream
 
 ORDERS = (0.1, 0.5, 0.9)
 
 
-def table(title: str, head: Iterable[str], rows: Iterable[Iterable[str]]) -> None:
-    lines = [f"\n{title}\n", "| " + " | ".join(head) + " |"]
-    lines.append("|" + "---|" * (lines[1].count("|") - 1))
-    lines += ["| " + " | ".join(row) + " |" for row in rows]
-    sys.stdout.write("\n".join(lines) + "\n")
+def table(title: str, head: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+    sys.stdout.write(f"\n{title}\n\n{markdown_table(head, rows, 'l' * len(head))}")
     sys.stdout.flush()
 
 

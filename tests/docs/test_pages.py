@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 ROOT = Path(__file__).parents[2]
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
 PAGES = [page for page in PAGES if page.name != "VENDORED.md"]
 FENCE = re.compile(r"^(?P<in> *)```(?P<language>\w*)[^\n]*\n(?P<code>.*?)^(?P=in)```", re.M | re.S)
 SNIPPET = re.compile(r'--8<-- "(?P<path>[^"]+)"\s*\Z')

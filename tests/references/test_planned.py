@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.interpolate import make_interp_spline
 
 from fotsmc_pin.arms import load_arm
 from fotsmc_pin.errors import ArgumentError
@@ -150,7 +151,38 @@ def test_nothing_to_limit_the_speed_is_said():
         Quintic.through(load_arm("double_pendulum"), [[0.0, 0.0], [1.0, 0.0]])
 
 
+@pytest.mark.parametrize("planner", PLANNERS)
+@pytest.mark.parametrize("name", ["panda", "kinova"])
+def test_many_times_at_once_give_the_same_bits_as_one_by_one(planner, name, waypoints):
+    arm = load_arm(name)
+    path = planner.through(arm, waypoints(arm, 4))
+    times = np.linspace(-0.2, path.duration + 0.2, 57)
+    singly = [np.array(rows) for rows in zip(*(path(t) for t in times), strict=True)]
+    for at_once, one_by_one in zip(path.at(times), singly, strict=True):
+        np.testing.assert_array_equal(at_once, one_by_one)
+    assert not path.at(times)[1][[0, -1]].any()
+
+
 # Splines through samples
+
+
+@pytest.mark.parametrize("samples", [4, 5, 6, 7, 40])
+@pytest.mark.parametrize("rest", [False, True])
+def test_a_spline_is_the_interpolating_b_spline(samples, rest):
+    """Its pieces, evaluated by powers, against de Boor's recursion on the B-spline itself."""
+    arm = load_arm("ur5")
+    rng = np.random.default_rng(samples)
+    t = np.cumsum(rng.uniform(0.7, 1.3, samples))
+    x = rng.uniform(-0.1, 0.1, (samples, arm.nv))
+    degree = 5 if samples >= 6 else 3
+    still = [(order, np.zeros(arm.nv)) for order in range(1, (degree + 1) // 2)]
+    ends = (still, still) if rest else None
+    spline = make_interp_spline(t - t[0], x, k=degree, bc_type=ends)
+    path = Spline.from_samples(arm, t, x, rest=rest)
+    for moment in np.linspace(0.0, path.duration, 203):
+        for order, value in enumerate(path(moment)):
+            exact = spline(moment, nu=order)
+            np.testing.assert_allclose(value, exact, rtol=1e-12, atol=1e-12)
 
 
 @pytest.mark.parametrize("name", ["ur5", "kinova"])

@@ -8,8 +8,7 @@ from defusedxml import DefusedXmlException
 
 import fotsmc_pin as fp
 from fotsmc_pin.view import visuals
-from fotsmc_pin.view.collada import read_collada
-from fotsmc_pin.view.stl import read_stl
+from fotsmc_pin.view.mesh_files import read_collada, read_stl
 
 COLLADA = """<?xml version="1.0"?>
 <COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">

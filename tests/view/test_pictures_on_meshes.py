@@ -10,7 +10,7 @@ import pytest
 from PIL import Image
 
 import fotsmc_pin as fp
-from fotsmc_pin.view.collada import read_collada
+from fotsmc_pin.view.mesh_files import read_collada
 
 PLATE = """<?xml version="1.0"?>
 <COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">

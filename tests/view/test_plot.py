@@ -63,6 +63,15 @@ def test_a_legend_stays_inside_its_figure(figure, make_recording):
     assert box.y0 >= max(axes.bbox.y1 for axes in figure.axes)
 
 
+def test_a_front_is_drawn_in_the_order_of_its_errors_on_scales_that_fit_it():
+    (axes,) = view.front_figure([(0.5, 10.0), (0.005, 12.0), (0.05, 11.0)], "error [rad]").axes
+    (line,) = axes.lines
+    assert line.get_ydata().tolist() == [0.005, 0.05, 0.5]
+    assert line.get_xdata().tolist() == [12.0, 11.0, 10.0]
+    assert (axes.get_xscale(), axes.get_yscale()) == ("linear", "log")
+    assert axes.get_ylabel() == "error [rad]"
+
+
 @pytest.mark.parametrize(
     ("kind", "ending"), [("tracking", "svg"), ("torque", "png"), ("overview", "pdf")]
 )

@@ -5,11 +5,13 @@ from __future__ import annotations
 import html
 import json
 import re
+from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
 
 import fotsmc_pin as fp
+from fotsmc_pin.files import markdown_table
 from fotsmc_pin.view import write_report
 from fotsmc_pin.view.prose import prose
 
@@ -21,6 +23,7 @@ CLAIMS = """# What the paper claims
 - measured: 300 N·m/s
 - holds: **no**: `sign` chatters.
 """
+CELL = re.compile(r"<(?:th|td)[^>]*>(.*?)</(?:th|td)>")
 
 
 def outside_the_frame(page: str) -> str:
@@ -82,11 +85,48 @@ def test_prose_is_escaped_and_nested_under_the_page():
     assert shown.count("<li>") == 3
 
 
+HOSTILE_MARKDOWN = [
+    "<script>alert(1)</script>",
+    "words <img src=x onerror=alert(1)> words",
+    "[press](javascript:alert(1))",
+    "[press](https://example.org)",
+    "<https://example.org>",
+    "![look](https://example.org/spy.png)",
+    "[press][1]\n\n[1]: https://example.org",
+    "# a <b onclick=x>b</b>\n- <i>c</i>",
+    "| <u>a</u> |\n|---|\n| <iframe src=x> |",
+    "```<style>\n<b>*{display:none}\n```",
+    "&lt;script&gt;alert(1)&lt;/script&gt;",
+]
+
+
+@pytest.mark.parametrize("text", HOSTILE_MARKDOWN)
+def test_no_markup_of_the_texts_own_and_nothing_to_fetch_reaches_the_page(text):
+    known = {"p", "h2", "ul", "li", "pre", "code", "div", "table", "thead", "tbody", "tr", "th"}
+    allowed = {"class", "role", "aria-label", "tabindex", "scope"}
+
+    class Tags(HTMLParser):
+        def handle_starttag(self, tag, attrs):
+            assert tag in known, (tag, text)
+            assert {name for name, _ in attrs} <= allowed, (attrs, text)
+
+    Tags().feed(prose(text))
+
+
+def test_every_cell_of_a_written_table_is_read_back():
+    rows = [["a | b", "1e3"], ["<c>\nd", "0.50"], ["λ_s *e*", "∞"]]
+    shown = prose(markdown_table(["law", "RMS [mrad]"], rows, align="lr"))
+    cells = [html.unescape(re.sub("<[^>]+>", "", cell)) for cell in CELL.findall(shown)]
+    assert cells == ["law", "RMS [mrad]", "a | b", "1e3", "<c> d", "0.50", "λ_s e", "∞"]
+
+
 def test_a_comparison_stands_as_a_table(folder):
     lines = ["# Laws", "", "## UR5", "", "| law | RMS |", "|---|---:|", "| <new> | 0.5 |"]
     (folder / "comparison.md").write_text("\n".join(lines), "utf-8")
     page = write_report(folder).read_text("utf-8")
-    assert '<th scope="row">&lt;new&gt;</th><td>0.5</td>' in page
+    assert re.search(r'<th scope="col">law</th>\s*<th scope="col">RMS</th>', page)
+    assert re.search(r'<th scope="row">&lt;new&gt;</th>\s*<td>0.5</td>', page)
+    assert page.count('aria-label="Table"') == 1
     assert "Laws" not in page
 
 

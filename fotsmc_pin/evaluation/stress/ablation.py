@@ -5,12 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from fotsmc_pin.control import RobustFONFTSM
+from fotsmc_pin.progress import reporting
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from fotsmc_pin.arms import Arm
     from fotsmc_pin.evaluation.stress.table import StressRow
+    from fotsmc_pin.progress import Progress
 
 VARIANTS: Mapping[str, Mapping[str, Any]] = {
     "everything on": {},
@@ -26,12 +28,24 @@ VARIANTS: Mapping[str, Mapping[str, Any]] = {
 """Gains that switch one ingredient off, by what they leave out."""
 
 
-def ablate(run: Callable[[RobustFONFTSM, str], StressRow], arm: Arm, dt: float) -> list[StressRow]:
+def ablate(
+    run: Callable[[RobustFONFTSM, str], StressRow],
+    arm: Arm,
+    dt: float,
+    *,
+    progress: Progress = False,
+) -> list[StressRow]:
     """Run each of `VARIANTS` in a scenario.
 
     Args:
         run: `(controller, label) -> row`: runs the scenario and judges the run.
         arm: the nominal arm.
         dt: period of a tick [s].
+        progress: True shows a bar on standard error; a callable is told the fraction done.
     """
-    return [run(RobustFONFTSM(arm, dt, **gains), label) for label, gains in VARIANTS.items()]
+    rows = []
+    with reporting(progress, f"ablation, {arm.name}") as report:
+        for label, gains in VARIANTS.items():
+            rows.append(run(RobustFONFTSM(arm, dt, **gains), label))
+            report(len(rows) / len(VARIANTS))
+    return rows

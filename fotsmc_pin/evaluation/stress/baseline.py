@@ -9,9 +9,10 @@ from fotsmc_pin.control import ComputedTorque
 from fotsmc_pin.evaluation.stress.scenario import DT, DURATION, Scenario
 from fotsmc_pin.evaluation.stress.table import StressRow, run_row
 from fotsmc_pin.evaluation.tuning import Span, minimize
+from fotsmc_pin.progress import reporting
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from fotsmc_pin.progress import Progress
 
 TRIALS = 200
 SEARCH_SPACE = {
@@ -33,7 +34,7 @@ def best_pid(
     seed: int = 0,
     duration: float = DURATION,
     largest_variation: float = math.inf,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress = False,
 ) -> tuple[StressRow, dict[str, float]]:
     """Search the PID gains with the smallest tail RMS error on the scenario itself.
 
@@ -46,7 +47,7 @@ def best_pid(
         duration: simulated time of each run [s].
         largest_variation: torque variation that the PID may have [N·m/s]; without a bound the
             search ends at the edge of stability, where the drives hum with the noise.
-        progress: is told the fraction done.
+        progress: True shows a bar on standard error; a callable is told the fraction done.
 
     Returns:
         The row of the best run, and its gains.
@@ -64,5 +65,6 @@ def best_pid(
         return min(row.tail_rms_error * excess**STEEPNESS, PENALTY)
 
     start = {name: float(value) for name, value in ComputedTorque.presets["pid"].items()}
-    best = minimize(cost, SEARCH_SPACE, start=start, trials=trials, seed=seed, progress=progress)
+    with reporting(progress, f"best PID, {scenario.arm.name}") as report:
+        best = minimize(cost, SEARCH_SPACE, start=start, trials=trials, seed=seed, progress=report)
     return judged(best), best

@@ -14,12 +14,12 @@ from fotsmc_pin.control import CONTROLLERS, Controller, RobustFONFTSM
 from fotsmc_pin.evaluation.stress.payloads import stress_payload
 from fotsmc_pin.evaluation.stress.scenario import DT, Scenario
 from fotsmc_pin.evaluation.stress.table import StressRow, run_row
+from fotsmc_pin.progress import reporting
 from fotsmc_pin.references import Sinusoid
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from fotsmc_pin.arms import Arm
+    from fotsmc_pin.progress import Progress
 
 DURATION = 4.0
 
@@ -84,7 +84,7 @@ def run_random_scenarios(
     law: type[Controller] | str = RobustFONFTSM,
     first_seed: int = 0,
     duration: float = DURATION,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress = False,
 ) -> list[SeededRow]:
     """Run a law in many random scenarios, worst first: diverged ones, then by tail RMS error.
 
@@ -94,14 +94,15 @@ def run_random_scenarios(
         law: the law, or its name, with its default gains.
         first_seed: seed of the first scenario; the others have the seeds after it.
         duration: simulated time of each run [s].
-        progress: is told the fraction done.
+        progress: True shows a bar on standard error; a callable is told the fraction done.
     """
     if isinstance(law, str):
         law = CONTROLLERS[checks.choice("law", law, [*CONTROLLERS])]
     controller, done = law(arm, DT), []
-    for seed in range(first_seed, first_seed + checks.count("count", count)):
-        row = run_row(random_scenario(arm, seed), controller, law.__name__, duration)
-        done.append(SeededRow(seed=seed, row=row))
-        if progress is not None:
-            progress(len(done) / count)
+    checks.count("count", count)
+    with reporting(progress, f"{law.__name__}, {arm.name}") as report:
+        for seed in range(first_seed, first_seed + count):
+            row = run_row(random_scenario(arm, seed), controller, law.__name__, duration)
+            done.append(SeededRow(seed=seed, row=row))
+            report(len(done) / count)
     return sorted(done, key=lambda found: (not found.row.diverged, -found.row.tail_rms_error))

@@ -9,11 +9,13 @@ from fotsmc_pin.arms import load_arm
 from fotsmc_pin.control import CONTROLLERS, Controller
 from fotsmc_pin.evaluation.stress.scenario import DT, DURATION, stress_scenario
 from fotsmc_pin.evaluation.stress.table import StressRow, run_row
+from fotsmc_pin.progress import reporting
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
     from fotsmc_pin.arms import Arm
+    from fotsmc_pin.progress import Progress
 
     Maker: TypeAlias = Callable[[Arm, float], Controller]
 
@@ -27,7 +29,7 @@ def stress(
     *,
     duration: float = DURATION,
     seed: int = 0,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress = False,
 ) -> list[StressRow]:
     """Run every controller on every arm in the stress scenario (`stress_scenario`), at 1 kHz.
 
@@ -37,7 +39,7 @@ def stress(
             default. A law by name runs with its preset for practice, or its default gains.
         duration: simulated time of each run [s]; the last half is the tail.
         seed: of the noise.
-        progress: is told the fraction done.
+        progress: True shows a bar on standard error; a callable is told the fraction done.
 
     Returns:
         One row per arm and controller.
@@ -52,12 +54,12 @@ def stress(
     loaded = [load_arm(arm) if isinstance(arm, str) else arm for arm in arms]
     makers = _makers(controllers)
     rows = []
-    for arm in loaded:
-        scenario = stress_scenario(arm, seed=seed)
-        for label, make in makers.items():
-            rows.append(run_row(scenario, make(arm, DT), label, duration))
-            if progress is not None:
-                progress(len(rows) / (len(loaded) * len(makers)))
+    with reporting(progress, ", ".join(arm.name for arm in loaded)) as report:
+        for arm in loaded:
+            scenario = stress_scenario(arm, seed=seed)
+            for label, make in makers.items():
+                rows.append(run_row(scenario, make(arm, DT), label, duration))
+                report(len(rows) / (len(loaded) * len(makers)))
     return rows
 
 

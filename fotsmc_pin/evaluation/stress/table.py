@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from fotsmc_pin.analysis import summarize
 from fotsmc_pin.errors import DivergenceError
+from fotsmc_pin.files import markdown_table
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -101,8 +102,7 @@ def cells(row: StressRow) -> tuple[str, ...]:
 
 def markdown(rows: Iterable[StressRow]) -> str:
     """Return the rows as a Markdown table."""
-    lines = [COLUMNS, tuple("---" for _ in COLUMNS), *(cells(row) for row in rows)]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines) + "\n"
+    return markdown_table(COLUMNS, map(cells, rows), align="ll" + "r" * (len(COLUMNS) - 2))
 
 
 def _number(value: float) -> str:

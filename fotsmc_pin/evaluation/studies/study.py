@@ -10,13 +10,14 @@ from fotsmc_pin.evaluation.studies.planned_runs import planned_runs
 from fotsmc_pin.evaluation.studies.result import StudyResult
 from fotsmc_pin.evaluation.studies.store import Store
 from fotsmc_pin.evaluation.studies.workers import run_all
-from fotsmc_pin.simulation.progress import reporting
+from fotsmc_pin.progress import reporting
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Callable
 
     from fotsmc_pin.evaluation.studies.planned_runs import Distributions, Grid
+    from fotsmc_pin.progress import Progress
 
 
 def study(
@@ -30,7 +31,7 @@ def study(
     store: str | os.PathLike[str] | None = None,
     scheduler: str | None = None,
     retry_failed: bool = False,
-    progress: bool | Callable[[float], None] = False,
+    progress: Progress = False,
 ) -> StudyResult:
     """Run every point of a grid, each with random draws, and collect their metrics.
 
@@ -51,7 +52,7 @@ def study(
             nothing.
         scheduler: address of a Dask scheduler, in place of processes on this machine.
         retry_failed: run those again that the store holds as failed.
-        progress: True shows a bar with the time left; a callable is told the fraction done.
+        progress: True shows a bar on standard error; a callable is told the fraction done.
 
     Returns:
         All rows, in the order of the grid and the draws.

@@ -9,6 +9,7 @@ from fotsmc_pin import checks
 from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.evaluation.tuning.minimize import require_optuna, suggested
 from fotsmc_pin.evaluation.tuning.space import search_space
+from fotsmc_pin.progress import reporting
 
 if TYPE_CHECKING:
     import os
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
 
     from fotsmc_pin.analysis import Summary
     from fotsmc_pin.control import Controller
+    from fotsmc_pin.progress import Progress
 
 OBJECTIVES = ("tail_rms_error", "max_tail_error", "rms_error", "settling_time", "iae", "itae")
 """Metrics of a `Summary` that may be made small beside the torque variation."""
@@ -54,7 +56,7 @@ def tune(
     objective: str = "tail_rms_error",
     largest_torque: float | None = None,
     seed: int = 0,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress = False,
 ) -> list[FrontPoint]:
     """Search gains for small error and small torque variation at once; go on where it was left.
 
@@ -70,7 +72,7 @@ def tune(
         objective: metric of error; one of `OBJECTIVES`.
         largest_torque: peak torque that a run may have [N·m]; None for no bound beyond the arm's.
         seed: of the search.
-        progress: is told the fraction done.
+        progress: True shows a bar on standard error; a callable is told the fraction done.
 
     Returns:
         The front, smallest error first.
@@ -98,10 +100,10 @@ def tune(
             return FAILED, FAILED
         return min(getattr(summary, objective), FAILED), summary.tail_torque_variation
 
-    while (done := len(_finished(optuna, search))) < trials:
-        search.optimize(cost, n_trials=1)
-        if progress is not None:
-            progress((done + 1) / trials)
+    with reporting(progress, f"tuning {law.__name__}") as report:
+        while (done := len(_finished(optuna, search))) < trials:
+            search.optimize(cost, n_trials=1)
+            report((done + 1) / trials)
     return sorted(
         (
             FrontPoint(

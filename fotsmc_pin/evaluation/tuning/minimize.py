@@ -6,12 +6,14 @@ from typing import TYPE_CHECKING, Any
 
 from fotsmc_pin import checks
 from fotsmc_pin.errors import MissingDependencyError
+from fotsmc_pin.progress import reporting
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
     from types import ModuleType
 
     from fotsmc_pin.evaluation.tuning.space import Span
+    from fotsmc_pin.progress import Progress
 
 
 def minimize(
@@ -21,7 +23,7 @@ def minimize(
     start: Mapping[str, float],
     trials: int = 200,
     seed: int = 0,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress = False,
 ) -> dict[str, float]:
     """Search `space` for a small `cost` by Optuna's tree-structured Parzen estimator.
 
@@ -34,7 +36,7 @@ def minimize(
         start: the first trial.
         trials: how many are made.
         seed: of the search.
-        progress: is told the fraction done.
+        progress: True shows a bar on standard error; a callable is told the fraction done.
 
     Raises:
         MissingDependencyError: Optuna is not installed.
@@ -44,13 +46,12 @@ def minimize(
     search = optuna.create_study(sampler=optuna.samplers.TPESampler(seed=seed))
     search.enqueue_trial(dict(start))
 
-    def report(_: Any, trial: Any) -> None:
-        if progress is not None:
-            progress((trial.number + 1) / trials)
-
-    search.optimize(
-        lambda trial: cost(suggested(trial, space)), n_trials=trials, callbacks=[report]
-    )
+    with reporting(progress, "searching") as report:
+        search.optimize(
+            lambda trial: cost(suggested(trial, space)),
+            n_trials=trials,
+            callbacks=[lambda _, trial: report((trial.number + 1) / trials)],
+        )
     best: dict[str, float] = search.best_params
     return best
 

@@ -1,4 +1,4 @@
-"""How a metric is spread over many runs."""
+"""Figures of many runs: how one of their metrics is spread, and the front of a search of gains."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from fotsmc_pin.view.palette import COLORS
 from fotsmc_pin.view.style import legend_above, new_figure, paper_style, spans_decades
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from matplotlib.figure import Figure
     from numpy.typing import ArrayLike
@@ -52,4 +52,23 @@ def distribution_figure(
         panel.set_ylabel("runs at or below [%]")
         panel.set_ylim(0.0, 102.0)
         legend_above(figure, panel)
+    return figure
+
+
+def front_figure(points: Sequence[tuple[float, float]], error: str) -> Figure:
+    """Return error over torque variation, on logarithmic axes where they span decades.
+
+    Args:
+        points: pairs of error and torque variation [N·m/s].
+        error: what the error is, with its unit.
+    """
+    with paper_style():
+        figure, axes = new_figure(row_height=2.4)
+        front = axes[0, 0]
+        errors, variations = np.array(sorted(points)).T
+        front.plot(variations, errors, "o-", markersize=3.0)
+        front.set_xscale("log" if spans_decades(variations) else "linear")
+        front.set_yscale("log" if spans_decades(errors) else "linear")
+        front.set_xlabel("torque variation [N·m/s]")
+        front.set_ylabel(error)
     return figure

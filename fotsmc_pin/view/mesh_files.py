@@ -1,8 +1,8 @@
-"""Triangles, colours and pictures of a COLLADA file.
+"""Triangles, colours and pictures of the mesh files that URDFs name: COLLADA and binary STL.
 
 Pinocchio's own loader gives the triangles of a whole file in one colour; robots' files have several
-materials. Like that loader, this one takes the file's numbers as metres, with z up, whatever its
-header says.
+materials. Like that loader, this one takes a file's numbers as metres, with z up, whatever its
+header says. Why it is not left to a library: docs/developing.md.
 """
 
 from __future__ import annotations
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 
 PICTURES = {".png": "image/png", ".jpg": "image/jpeg", ".jpeg": "image/jpeg"}
+STL_HEADER = 84
+STL_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
 
 def read_collada(path: Path) -> Mesh:
@@ -39,6 +41,26 @@ def read_collada(path: Path) -> Mesh:
         xml.etree.ElementTree.ParseError: it is not XML.
     """
     return _Document(ElementTree.parse(path).getroot(), path.parent).mesh()
+
+
+def read_stl(path: Path) -> Mesh:
+    """Return the triangles of a binary STL file, with three vertices each.
+
+    Raises:
+        ValueError: the file is not a binary STL file of the length that its header tells.
+    """
+    data = path.read_bytes()
+    if len(data) < STL_HEADER:
+        raise ValueError("too short for an STL file")
+    count = int.from_bytes(data[80:STL_HEADER], "little")
+    if len(data) != STL_HEADER + count * STL_TRIANGLE.itemsize:
+        raise ValueError("not a binary STL file")
+    corners = np.frombuffer(data, dtype=STL_TRIANGLE, offset=STL_HEADER)["corners"]
+    return Mesh(
+        vertices=corners.reshape(-1, 3).astype(np.float64),
+        faces=np.arange(3 * count, dtype=np.int64).reshape(-1, 3),
+        paint=((GREY, count),),
+    )
 
 
 class _Document:
