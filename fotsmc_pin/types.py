@@ -1,4 +1,4 @@
-"""Types that signatures of every package share: arrays, and what a simulation is given to call.
+"""Types that signatures of every package share: arrays, and the callables of a simulation.
 
 `t` is the time [s]. Configurations `q` are (nq,); velocities, accelerations and torques are (nv,).
 """
