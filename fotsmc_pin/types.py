@@ -21,7 +21,7 @@ Disturbance: TypeAlias = Callable[[float], ArrayLike]
 """`t -> (nv,)`: torque that is added at the joints [N·m, N]."""
 
 Sensor: TypeAlias = Callable[[float, Array, Array], tuple[Array, Array]]
-"""`(t, q, v) -> (q, v)`: what a controller is told of the true state."""
+"""`(t, q, v) -> (q, v)`: from the true state to what a controller measures."""
 
 Actuator: TypeAlias = Callable[[float, Array], Array]
-"""`(t, tau) -> tau`: what becomes of a controller's torque."""
+"""`(t, tau) -> tau`: from the controller's torque to what the drives apply."""
