@@ -1,6 +1,6 @@
 """Fractional-order terminal sliding mode control on Pinocchio, for any arm that has a URDF.
 
-The public names stand in `__init__.pyi`; each is imported when it is first used.
+The public names are in `__init__.pyi`; each is imported when it is first used.
 """
 
 import lazy_loader

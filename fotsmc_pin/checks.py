@@ -90,9 +90,9 @@ def per_joint(
     at_least: float = -math.inf,
     unlimited: bool = False,
 ) -> Array:
-    """Return a vector with one entry per joint; a scalar stands for all of them.
+    """Return a vector with one entry per joint; a scalar is used for every joint.
 
-    Where `unlimited`, inf is an entry like any other.
+    Where `unlimited`, inf is allowed.
     """
     if np.ndim(value) == 0:
         value = np.full(size, value)
@@ -104,7 +104,7 @@ def per_joint(
 
 
 def choice(name: str, value: str, known: Sequence[str]) -> str:
-    """Return `value` if it is one of the known words."""
+    """Return `value` if it is one of the known values."""
     if value not in known:
         raise ArgumentError(name, value, f"choose one of {', '.join(known)}")
     return value

@@ -1,8 +1,8 @@
 """The one way to compile: `@kernel`, Numba in nopython mode with a cache on disk.
 
 A call of a kernel from Python first looks up the types of all arguments, which in a tick of control
-costs as much as the arithmetic. `specialized` does so once, for arrays of one's own; `restricted`
-keeps a kernel that is given other people's arrays from compiling anew in the middle of a run.
+costs as much as the arithmetic. `specialized` does so once, for arrays that the caller owns;
+`restricted` keeps a kernel that is given a user's arrays from being compiled again during a run.
 """
 
 from __future__ import annotations
@@ -97,18 +97,18 @@ def restricted(function: Function, *examples: Any) -> Function:
 def _importable(function: Any) -> bool:
     """Return whether the module of `function` can be imported by its name.
 
-    Cached code asks for it; the name that `runpy` gives to a file leads nowhere.
+    Cached code asks for it; the name that `runpy` gives to a file cannot be imported.
     """
     name = function.__module__
     return name in sys.modules and all(part.isidentifier() for part in name.split("."))
 
 
 def _follows_every_source(dispatcher: Any) -> bool:
-    """Let a change in any kernel of the package outdate the cached machine code.
+    """Invalidate the cached machine code when any kernel of the package changes.
 
     Numba watches only the file in which a kernel stands, not those of the kernels that it calls,
     and would go on running the old ones. Nor does it see that a file runs under another name, as
-    a script and as a module. Returns False where a cache could not be told so.
+    a script and as a module. Returns False where the cache cannot be made to do so.
     """
     if not hasattr(dispatcher, "py_func"):  # compilation is switched off
         return True

@@ -1,4 +1,4 @@
-"""Copies of objects that have a memory."""
+"""Copies of objects that have state."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ T = TypeVar("T", bound="SharesNothing")
 
 
 class SharesNothing:
-    """Base of what remembers: a copy, shallow or deep, shares no memory with its original.
+    """Base of objects with state: a copy, shallow or deep, shares no memory with its original.
 
     `copy.copy` differs from `copy.deepcopy` only in that both go on to use the same arm, which
     never changes.

@@ -1,7 +1,7 @@
 """Every error that the library raises on purpose.
 
 Each is a `FotsmcError` and also the builtin that a caller would guess (`ValueError`, ...), says
-what to do, and carries the data that it speaks of as attributes.
+what to do, and carries the data that its message mentions as attributes.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ class FotsmcError(Exception):
 
 
 class ArgumentError(FotsmcError, ValueError):
-    """An argument at a public door is unusable.
+    """An argument of the public API is unusable.
 
     Attributes:
         argument: name of the argument.
@@ -30,7 +30,7 @@ class ArgumentError(FotsmcError, ValueError):
         super().__init__(f"{argument} = {shown}: {remedy}")
 
     def __reduce__(self) -> tuple[type[ArgumentError], tuple[str, Any, str]]:
-        """Rebuild from the parts, so that the error crosses process borders."""
+        """Rebuild from the parts, so that the error can be pickled."""
         return type(self), (self.argument, self.value, self.remedy)
 
 
@@ -39,11 +39,11 @@ class MeasurementError(ArgumentError):
 
 
 class DeclarationError(FotsmcError, TypeError):
-    """A class of control laws declares what does not fit together; found when it is defined."""
+    """The declarations of a control law contradict each other; raised when its class is defined."""
 
 
 class ArmNotFoundError(FotsmcError, FileNotFoundError):
-    """No arm goes by this name and no file is there."""
+    """There is no arm of this name, and no file at this path."""
 
 
 class UrdfError(FotsmcError, ValueError):
@@ -63,15 +63,15 @@ class RecordingError(FotsmcError, ValueError):
 
 
 class StudyError(FotsmcError, ValueError):
-    """A store of runs is not one, or what is to be run cannot be."""
+    """A file is not a store of runs, or the runs of a study cannot be made."""
 
 
 class DivergenceError(FotsmcError, ArithmeticError):
-    """A simulated arm left every reasonable bound.
+    """The speed of a simulated joint exceeded every reasonable bound.
 
     Attributes:
         time: when [s].
-        joint: name of the joint that left first.
+        joint: name of the first such joint.
         recording: everything recorded up to that time.
     """
 
@@ -80,5 +80,5 @@ class DivergenceError(FotsmcError, ArithmeticError):
         super().__init__(message)
 
     def __reduce__(self) -> tuple[type[DivergenceError], tuple[str, float, str, Any]]:
-        """Rebuild from the parts, so that the error crosses process borders."""
+        """Rebuild from the parts, so that the error can be pickled."""
         return type(self), (str(self), self.time, self.joint, self.recording)

@@ -1,4 +1,4 @@
-"""Writing files whole, into a temporary file beside the target, then renamed over it."""
+"""Writing files atomically, into a temporary file beside the target, then renamed over it."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
 
 
 def write_json(path: str | os.PathLike[str], data: Mapping[str, Any]) -> None:
-    """Write plain data as indented JSON; infinity is written as the word "inf"."""
+    """Write plain data as indented JSON; infinity is written as the string "inf"."""
     write_text(path, json.dumps(_finite(data), indent=2, ensure_ascii=False) + "\n")
 
 

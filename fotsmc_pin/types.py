@@ -1,4 +1,4 @@
-"""Types that signatures of every package share: arrays, and what a simulation is given to call.
+"""Types that signatures of every package share: arrays, and the callables of a simulation.
 
 `t` is the time [s]. Configurations `q` are (nq,); velocities, accelerations and torques are (nv,).
 """
@@ -21,7 +21,7 @@ Disturbance: TypeAlias = Callable[[float], ArrayLike]
 """`t -> (nv,)`: torque that is added at the joints [N·m, N]."""
 
 Sensor: TypeAlias = Callable[[float, Array, Array], tuple[Array, Array]]
-"""`(t, q, v) -> (q, v)`: what a controller is told of the true state."""
+"""`(t, q, v) -> (q, v)`: from the true state to what a controller measures."""
 
 Actuator: TypeAlias = Callable[[float, Array], Array]
-"""`(t, tau) -> tau`: what becomes of a controller's torque."""
+"""`(t, tau) -> tau`: from the controller's torque to what the drives apply."""

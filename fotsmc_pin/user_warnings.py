@@ -17,9 +17,9 @@ def warn_user(message: str, category: type[Warning], made: object = None) -> Non
     """Warn at the nearest line outside this package.
 
     Args:
-        message: what is at stake, and what to do.
+        message: what is wrong, and what to do.
         category: class of the warning.
-        made: an object in the making; constructors of a user's subclass of it count as inside.
+        made: an object under construction; constructors of a user's subclass of it count as inside.
     """
     frame = sys._getframe(1)
     while frame.f_back is not None and (_is_ours(frame) or _constructs(frame, made)):

@@ -1,4 +1,4 @@
-"""Judging a run: metrics, and what theory says of a law beforehand."""
+"""Analysis: metrics of a run, and what theory predicts for a law."""
 
 from fotsmc_pin.analysis.bounds import reaching_time_bound, settling_time_bound
 from fotsmc_pin.analysis.metrics import Summary, settling_time, summarize

@@ -1,4 +1,4 @@
-"""Times by which theory says that a sliding variable is zero: [44], and Lemma 1 with [37]."""
+"""Theoretical bounds on the time until a sliding variable is zero: [44], and Lemma 1 with [37]."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ def reaching_time_bound(S_start: ArrayLike, theta: float, mu: float) -> float:
 
         t_r ≤ ln(1 + ‖S(0)‖₁^{1-μ}) / (θ (1-μ))
 
-    It follows from `dV/dt ≤ -θ V - θ V^μ` with `V = ‖S‖₁`, which the reaching law has where the
-    uncertainty stays below its bound and time does not come in ticks. At the paper's `μ = 0.99` it
-    is about 14 s, and not the "under 1 s" of the text (reading R6).
+    It follows from `dV/dt ≤ -θ V - θ V^μ` with `V = ‖S‖₁`, which holds for the reaching law in
+    continuous time while the uncertainty stays below its bound. At the paper's `μ = 0.99` it is
+    about 14 s, and not the "under 1 s" of the text (reading R6).
 
     Args:
         S_start: `S(0)` (nv,).

@@ -1,4 +1,4 @@
-"""`summarize`: the numbers by which a run is judged, each with its definition."""
+"""`summarize`: the metrics of a run, each with its definition."""
 
 from __future__ import annotations
 
@@ -37,15 +37,15 @@ UNITS = {
     "saturation_fraction": "–",
     "duration": "s",
 }
-"""Units of the metrics in a `Summary`, for an arm whose joints all turn."""
+"""Units of the metrics in a `Summary`, for an arm whose joints are all revolute."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Summary:
-    """What a run came to. `‖e‖` is the Euclidean norm of the tracking error over all joints.
+    """Metrics of a run. `‖e‖` is the Euclidean norm of the tracking error over all joints.
 
-    Units are those of an arm whose joints all turn. Where some slide, `‖e‖` adds up radians and
-    metres, and the torques newton-metres and newtons: compare such numbers on one arm only.
+    Units are those of an arm with revolute joints. Where some are prismatic, `‖e‖` adds up radians
+    and metres, and the torques newton-metres and newtons: compare such values on one arm only.
 
     Attributes:
         settling_time: first time after which `‖e‖` stays below 10 mrad [s]; inf if it never does.
@@ -93,7 +93,7 @@ class Summary:
 
 
 def summarize(rec: Recording) -> Summary:
-    """Judge a run; `Summary` defines every metric."""
+    """Return the metrics of a run; `Summary` defines each of them."""
     t, error, tau = rec.t, rec.error_norm, rec.tau
     tail = t >= t[0] + 0.5 * (t[-1] - t[0])
     limited = np.abs(tau) >= AT_LIMIT * rec.arm.effort_limit

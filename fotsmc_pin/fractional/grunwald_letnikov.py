@@ -73,22 +73,13 @@ def weight_sum(exponent: float, differences: bool, samples: int, tolerance: floa
     Raises:
         ArgumentError: with a horizon or a tolerance that would work.
     """
-    # A difference of weights is the integral with s^β in place of s^{β-1}, and magnifies the
-    # errors of merged slow rates by up to 16/β.
-    share = 0.1 * exponent / 16 if differences else 0.1
-    aim = 2 * tolerance
-    certificate = reached = math.inf
-    while certificate > tolerance:
-        aim /= 2
-        if aim < 0.03 * tolerance:
-            raise ArgumentError("tolerance", tolerance, f"give at least {5 * reached:.1g}")
-        step = trapezoid_step(exponent + differences, aim)
-        rates, weights = trapezoid(exponent, 1e18, 1e-18 / samples, step)
-        rates, weights = merge_slow_rates(rates, weights, samples, exponent, share * aim)
-        rates, weights = _merge_fast_rates(rates, weights, exponent, aim, differences)
-        refuse_too_many(rates.size, step, samples)
-        certificate = _largest_relative_error(rates, weights, exponent, samples, differences)
-        reached = min(reached, certificate)
+    rates, weights, certificate = _search(exponent, differences, samples, tolerance)
+    if certificate > tolerance:
+        within = 0.0
+        while certificate > within:  # What is named must work, and is tried.
+            within = float(f"{5 * max(within, certificate):.1g}")
+            *_, certificate = _search(exponent, differences, samples, within)
+        raise ArgumentError("tolerance", tolerance, f"give at least {within:.1g}")
     for array in (rates, weights):
         array.setflags(write=False)
     return WeightSum(
@@ -100,6 +91,28 @@ def weight_sum(exponent: float, differences: bool, samples: int, tolerance: floa
         weights=weights,
         certificate=certificate,
     )
+
+
+def _search(
+    exponent: float, differences: bool, samples: int, tolerance: float
+) -> tuple[Array, Array, float]:
+    """Return rates, weights and certificate of the first sum within `tolerance`, or of the best."""
+    # A difference of weights is the integral with s^β in place of s^{β-1}, and magnifies the
+    # errors of merged slow rates by up to 16/β.
+    share = 0.1 * exponent / 16 if differences else 0.1
+    best: tuple[Array, Array, float] = np.empty(0), np.empty(0), math.inf
+    aim = tolerance
+    while best[2] > tolerance and aim >= 0.03 * tolerance:
+        step = trapezoid_step(exponent + differences, aim)
+        rates, weights = trapezoid(exponent, 1e18, 1e-18 / samples, step)
+        rates, weights = merge_slow_rates(rates, weights, samples, exponent, share * aim)
+        rates, weights = _merge_fast_rates(rates, weights, exponent, aim, differences)
+        refuse_too_many(rates.size, step, samples)
+        certificate = _largest_relative_error(rates, weights, exponent, samples, differences)
+        if certificate < best[2]:
+            best = rates, weights, certificate
+        aim /= 2
+    return best
 
 
 def integral_weights(exponent: float, ages: Array) -> Array:

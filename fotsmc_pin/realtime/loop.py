@@ -24,11 +24,11 @@ if TYPE_CHECKING:
 
 
 SPIN = 2e-4
-"""The end of the wait for a tick is spent awake: a sleep may last this much too long [s]."""
+"""The wait for a tick ends in a busy wait, as a sleep may last this much too long [s]."""
 
 
 class Robot(Protocol):
-    """What the loop needs of a robot, or of something that stands in for one."""
+    """What the loop needs of a robot, real or simulated."""
 
     def read(self) -> tuple[Array, Array]:
         """Return the measured `q` (nq,) and `v` (nv,)."""
@@ -50,19 +50,19 @@ def run_realtime(
 ) -> Timing:
     """Run a controller at its rate against a robot, in wall-clock time.
 
-    Each tick is due at a multiple of `controller.dt` since the start, so that lateness does not
-    add up; a tick that comes so late that others were due too takes their place. The controller is
+    Each tick is due at a multiple of `controller.dt` since the start, so that delays do not
+    add up; a tick that comes so late that others were due too replaces them. The controller is
     told the measured period. Ctrl-C, and SIGTERM, begin the safe stop of the controller, which is
     given `stop_time` before the loop ends; so does the end of the run, and so does any exception
-    on the way, which is raised after it. The last torque is that of the safe stop.
+    during it, which is raised after the stop. The last torque is that of the safe stop.
 
     Args:
         controller: a controller in its `Safeguard`.
         robot: what is read and written.
         reference: `t -> (q_d, v_d, a_d)`.
-        duration: how long to follow it [s].
+        duration: how long to follow the reference [s].
         stop_time: how long the safe stop is run at the end [s].
-        observe: is told `t, q, v, tau` of every tick, after the torque was written; to be quick.
+        observe: called with `t, q, v, tau` after each torque was written; it must be quick.
 
     Raises:
         ArgumentError: a duration that is not above 0.
@@ -120,7 +120,7 @@ def run_realtime(
 
 
 def _wait_until(moment: float) -> float:
-    """Sleep, then stay awake, until `moment` of the performance counter; return the time."""
+    """Sleep, then wait busily, until `moment` of the performance counter; return the time."""
     while True:
         now = time.perf_counter()
         if now >= moment:

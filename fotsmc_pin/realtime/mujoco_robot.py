@@ -1,4 +1,4 @@
-"""`MujocoRobot`: an arm in MuJoCo that moves on in wall-clock time, as a robot does."""
+"""`MujocoRobot`: an arm in MuJoCo that moves in wall-clock time, as a robot does."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ if TYPE_CHECKING:
 
 
 LONGEST_CATCH_UP = 0.05
-"""Where the program fell further behind, the plant's clock waits for it [s]."""
+"""Where the program fell further behind, the plant's clock is held back [s]."""
 COMPILER = {"boundinertia": "1e-9", "balanceinertia": "true", "fusestatic": "true"}
 
 
 class MujocoRobot:
-    """Stands in for a robot in `run_realtime`; its joints rub, damp and stick as the arm says.
+    """A simulated robot for `run_realtime`, with the friction, damping and armature of the arm.
 
-    The plant moves whenever it is read, from its last time to the present, under the torque that
-    was last written. Meshes and contacts are left out.
+    Each read advances the plant from its last time to the present, under the torque that was last
+    written. Meshes and contacts are left out.
 
     Args:
         arm: the true arm.
@@ -60,7 +60,7 @@ class MujocoRobot:
         self._began: float | None = None
 
     def read(self) -> tuple[Array, Array]:
-        """Move on to the present; return `q` (nq,) and `v` (nv,)."""
+        """Advance the plant to the present; return `q` (nq,) and `v` (nv,)."""
         now = time.perf_counter()
         if self._began is None:
             self._began = now
@@ -75,12 +75,12 @@ class MujocoRobot:
         return self.arm.from_joint_positions(angles), speeds
 
     def write(self, tau: Array) -> None:
-        """Command the torque (nv,) [N·m, N]; the effort limits cut it."""
+        """Command the torque (nv,) [N·m, N]; it is clipped to the effort limits."""
         self._data.qfrc_applied[:] = np.clip(tau, -self._limit, self._limit)[self._order]
 
 
 def _shapeless(urdf: str) -> str:
-    """Return a URDF without shapes, with what MuJoCo is to make of its inertias."""
+    """Return a URDF without shapes, with options for MuJoCo's compiler."""
     robot = ET.fromstring(urdf)
     for link in robot.findall("link"):
         for shape in (*link.findall("visual"), *link.findall("collision")):

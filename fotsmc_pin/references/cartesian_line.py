@@ -12,7 +12,7 @@ from fotsmc_pin.checks import count, finite_number, finite_vector
 from fotsmc_pin.errors import ArgumentError, MissingDependencyError
 from fotsmc_pin.references.path import JointPath
 from fotsmc_pin.references.spline import spline_pieces
-from fotsmc_pin.references.timing import motion_limits, stretched_to_limits
+from fotsmc_pin.references.time_scaling import motion_limits, stretched_to_limits
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -29,10 +29,10 @@ MOST_STEPS = 50
 class CartesianLine(JointPath):
     """A straight path of the tool frame that keeps its orientation, from rest to rest.
 
-    The tool's way along the line is the quintic `10 u³ - 15 u⁴ + 6 u⁵`, `u = t / duration`.
-    Inverse kinematics (pink, the extra "ik") finds the joints at knots; a quintic spline through
-    them is the reference. Its derivatives are exact; between knots the tool leaves the line by no
-    more than `deviation`.
+    The tool's progress along the line is the quintic `10 u³ - 15 u⁴ + 6 u⁵`, `u = t / duration`.
+    Inverse kinematics (pink, the extra "ik") finds joint positions at knots; a quintic spline
+    through them is the reference. Its derivatives are exact; between knots the tool leaves the line
+    by no more than `deviation`.
 
     Attributes:
         deviation: largest distance of the tool from its place on the line, measured between the
@@ -69,8 +69,8 @@ class CartesianLine(JointPath):
 
         Raises:
             MissingDependencyError: pink or its solver is not installed.
-            ArgumentError: the tool cannot follow, with the place where it stops; or a limit that
-                would break: which, where and when.
+            ArgumentError: the tool cannot follow, with the place where it stops; or a limit would
+                be exceeded: which, where and when.
         """
         way = finite_vector("displacement", displacement, 3)
         start = arm.neutral if q is None else finite_vector("q", q, arm.nq)
@@ -101,7 +101,7 @@ class CartesianLine(JointPath):
 
 
 def _along(u: Any) -> Any:
-    """Share of the way at share `u` of the time."""
+    """Fraction of the line at the fraction `u` of the time."""
     return u**3 * (10.0 - 15.0 * u + 6.0 * u**2)
 
 
@@ -111,7 +111,7 @@ class _Kinematics:
     def __init__(self, arm: Arm, q: Array, *, keep_orientation: bool) -> None:
         pink = _pink()
         self._arm, self._solve = arm, pink.solve_ik
-        # Pink keeps notes on the model that it is given, and finds frames by name alone.
+        # Pink adds attributes to the model that it is given, and finds frames by name alone.
         self._model = pin.Model(arm.model)
         name = "tool of the line"
         self._model.frames[arm.tool_frame_id].name = name
@@ -124,7 +124,7 @@ class _Kinematics:
         self._start = self._configuration.get_transform_frame_to_world(name).copy()
 
     def follow(self, way: Array, shares: Array) -> Array:
-        """Return joint positions, (n, nv), at shares of the way."""
+        """Return joint positions, (n, nv), at fractions of the line."""
         rows = [self._arm.to_joint_positions(self._configuration.q)]
         for share in shares[1:]:
             before = self._configuration.q

@@ -1,4 +1,4 @@
-"""`Hold`: stay where you are."""
+"""`Hold`: a constant configuration."""
 
 from __future__ import annotations
 

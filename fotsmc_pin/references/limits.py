@@ -1,4 +1,4 @@
-"""`broken_limits`: which of an arm's limits a reference would break, and when."""
+"""`broken_limits`: which of an arm's limits a reference would exceed, and when."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ def broken_limits(
     samples: int = 1000,
     effort_share: float = 1.0,
 ) -> tuple[str, ...]:
-    """Return a sentence for each limit that a reference breaks; none when it keeps them all.
+    """Return one sentence for each limit that a reference exceeds.
 
     Positions, velocities and the model's own effort `M a_d + C v_d + G` are sampled in time.
 
     Args:
         arm: the arm whose limits count.
         reference: `t -> (q_d, v_d, a_d)`.
-        duration: how far to look [s]; by default the reference's own.
+        duration: time span to check [s]; by default the reference's own.
         samples: at how many times.
         effort_share: share of the effort limits that the reference may use.
 

@@ -1,4 +1,4 @@
-"""`MinimumJerk`: through waypoints without a stop, as smoothly as can be."""
+"""`MinimumJerk`: through waypoints without a stop, with the least jerk."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.references.path import JointPath, unwrapped
 from fotsmc_pin.references.spline import spline_pieces
-from fotsmc_pin.references.timing import (
+from fotsmc_pin.references.time_scaling import (
     given_times,
     motion_limits,
     rest_to_rest_times,
@@ -46,14 +46,14 @@ class MinimumJerk(JointPath):
         Args:
             arm: the arm.
             waypoints: configurations, (n, nq).
-            times: when to be there, (n,) [s], from 0. By default the pieces get times in
+            times: when to reach them, (n,) [s], from 0. By default the pieces get times in
                 proportion to what each needs from rest to rest, and all are scaled by one factor
                 so that the path just keeps its limits.
             velocity_limit: scalar or (nv,) [rad/s or m/s]; by default the arm's.
             acceleration_limit: scalar or (nv,) [rad/s² or m/s²]; by default none.
 
         Raises:
-            ArgumentError: unusable arguments, or a limit that would break: which, where and when.
+            ArgumentError: unusable arguments, or a limit exceeded: which, where and when.
         """
         x = unwrapped(arm, "waypoints", waypoints)
         if len(x) < 2:

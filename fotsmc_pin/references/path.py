@@ -1,4 +1,4 @@
-"""`JointPath`: piecewise polynomials in every joint, the common ground of planned references."""
+"""`JointPath`: piecewise polynomials in every joint, the base of planned references."""
 
 from __future__ import annotations
 
@@ -29,7 +29,8 @@ class JointPath:
     Attributes:
         arm: the arm that it is for.
         breaks: times at which the pieces meet, (pieces + 1,) [s], from 0.
-        coefficients: of each piece in its own time, highest power first, (order, pieces, nv).
+        coefficients: of each piece, in the time since it began, highest power first,
+            (order, pieces, nv).
     """
 
     arm: Arm
@@ -92,10 +93,10 @@ class JointPath:
     def demand_limits(
         self, argument: str, value: object, velocity_limit: Array, acceleration_limit: Array
     ) -> None:
-        """Demand that the path keeps within position, velocity and acceleration limits.
+        """Require that the path keeps within position, velocity and acceleration limits.
 
         Raises:
-            ArgumentError: naming `argument`, the joint, the time and the limit that breaks.
+            ArgumentError: naming `argument`, the joint, the time and the limit that is exceeded.
         """
         arm = self.arm
         bounds = (

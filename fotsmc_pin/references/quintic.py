@@ -9,7 +9,7 @@ import numpy as np
 
 from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.references.path import JointPath, unwrapped
-from fotsmc_pin.references.timing import given_times, motion_limits, rest_to_rest_times
+from fotsmc_pin.references.time_scaling import given_times, motion_limits, rest_to_rest_times
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Quintic(JointPath):
-    """Quintics from waypoint to waypoint; it comes to rest at each unless told otherwise.
+    """Quintics from waypoint to waypoint, at rest at each unless velocities are given.
 
     Each piece is the polynomial of fifth order that meets position, velocity and zero
     acceleration at both its ends. From rest to rest it is the motion of least jerk.
@@ -42,13 +42,13 @@ class Quintic(JointPath):
         Args:
             arm: the arm.
             waypoints: configurations, (n, nq).
-            times: when to be there, (n,) [s], from 0; by default as soon as the limits allow.
+            times: when to reach them, (n,) [s], from 0; by default as soon as the limits allow.
             velocities: at the waypoints, (n, nv) [rad/s or m/s]; needs `times`.
             velocity_limit: scalar or (nv,) [rad/s or m/s]; by default the arm's.
             acceleration_limit: scalar or (nv,) [rad/s² or m/s²]; by default none.
 
         Raises:
-            ArgumentError: unusable arguments, or a limit that would break: which, where and when.
+            ArgumentError: unusable arguments, or a limit exceeded: which, where and when.
         """
         x = unwrapped(arm, "waypoints", waypoints)
         if len(x) < 2:

@@ -87,14 +87,14 @@ class Sinusoid:
     ) -> Sinusoid:
         """Return sinusoids that stay inside the arm's position, velocity and effort limits.
 
-        The amplitude of each joint is `amplitude`, made smaller where the room to the nearest
-        position limit or the speed limit asks for it. While the model's own effort on the way
-        exceeds `fraction` of a limit, all amplitudes are made smaller together.
+        The amplitude of each joint is `amplitude`, reduced where the distance to the nearest
+        position limit or the velocity limit requires it. As long as the effort that the model needs
+        exceeds `fraction` of a limit, all amplitudes are reduced together.
 
         Args:
             arm: the arm.
             center: configuration to swing around, (nq,); by default `arm.neutral` moved off the
-                limits; where gravity there asks for most of the effort allowed, the nearest of a
+                limits; where gravity there needs most of the effort allowed, the nearest of a
                 fixed set of random configurations that is easier to hold.
             amplitude: largest amplitude [rad or m].
             period: of the first joint [s]; each after it is 12 % of this longer than the last.
@@ -141,7 +141,7 @@ class Sinusoid:
 
 
 def _easy_center(arm: Arm, amplitude: float, fraction: float) -> Array:
-    """Return joint positions, (nv,), clear of the limits and light to hold."""
+    """Return joint positions, (nv,), away from the limits and with little gravity load."""
     lower, upper = arm.lower_position_limit, arm.upper_position_limit
     half = np.where(np.isfinite(lower) & np.isfinite(upper), 0.5 * (upper - lower), np.inf)
     room = np.minimum(amplitude, half)

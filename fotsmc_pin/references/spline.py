@@ -12,7 +12,7 @@ from scipy.interpolate import PPoly, make_interp_spline
 
 from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.references.path import JointPath, unwrapped
-from fotsmc_pin.references.timing import motion_limits
+from fotsmc_pin.references.time_scaling import motion_limits
 
 if TYPE_CHECKING:
     from os import PathLike
@@ -43,7 +43,7 @@ class Spline(JointPath):
             rest: whether velocity and acceleration are zero at both ends.
 
         Raises:
-            ArgumentError: unusable samples, or a position or velocity limit that would break.
+            ArgumentError: unusable samples, or a position or velocity limit exceeded.
         """
         x = unwrapped(arm, "q", q)
         times = np.array(t, dtype=np.float64)
@@ -61,8 +61,8 @@ class Spline(JointPath):
     def from_csv(cls, arm: Arm, path: str | PathLike[str], *, rest: bool = False) -> Spline:
         """Interpolate a CSV file: a column of times [s] and one position per joint [rad or m].
 
-        A header with `t` and joint names may put the columns in any order and is needed to leave
-        columns out of account; without a header they are the time and the joints in the arm's
+        A header with `t` and joint names may put the columns in any order, and is needed where the
+        file has further columns; without a header they are the time and the joints in the arm's
         order. A continuous joint has one column, its angle.
 
         Args:
@@ -71,7 +71,7 @@ class Spline(JointPath):
             rest: whether velocity and acceleration are zero at both ends.
 
         Raises:
-            ArgumentError: columns or rows that are missing or no numbers, with the line; or
+            ArgumentError: columns or rows that are missing or not numeric, with the line; or
                 samples that `from_samples` refuses.
             FileNotFoundError: no such file.
         """

@@ -22,16 +22,16 @@ if TYPE_CHECKING:
 
 
 class TickDelay:
-    """Whole ticks of delay in the torque; also good for a sensor's `q` and `v`.
+    """A delay of the torque by whole ticks; also usable for a sensor's `q` and `v`.
 
-    Before anything has come through, the first values are repeated for a sensor, and a torque is 0:
-    nothing has been commanded yet.
+    Until the first value has passed the delay, a sensor repeats its first values, and a torque is
+    0, as nothing has been commanded yet.
 
     Args:
-        ticks: how many ticks late.
+        ticks: number of ticks.
 
     Raises:
-        ArgumentError: a negative or broken number of ticks.
+        ArgumentError: a negative or fractional number of ticks.
     """
 
     def __init__(self, ticks: int) -> None:
@@ -39,7 +39,7 @@ class TickDelay:
         self._waiting: deque[tuple[Array, ...]] = deque()
 
     def reset(self) -> None:
-        """Forget what is under way."""
+        """Drop all delayed values."""
         self._waiting.clear()
 
     @overload
@@ -58,7 +58,7 @@ class TickDelay:
 
 
 class TorqueRateLimit:
-    """Drives whose torque cannot jump.
+    """Drives with a limited rate of torque.
 
     Args:
         arm: the arm that is driven.
@@ -76,7 +76,7 @@ class TorqueRateLimit:
         self.reset()
 
     def reset(self) -> None:
-        """Let the next torque be a first one, which is not limited."""
+        """Forget the last torque; the next one is a first one, which is not limited."""
         self._last: Array | None = None
 
     def __call__(self, t: float, tau: Array) -> Array:
@@ -105,7 +105,7 @@ class TorqueLag:
         self.reset()
 
     def reset(self) -> None:
-        """Forget the torque; the next one is taken over at once."""
+        """Forget the torque; the next one is reached at once."""
         self._torque: Array | None = None
 
     def __call__(self, t: float, tau: Array) -> Array:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 SWEEPS = 50
 """Most sweeps of Gauss-Seidel in a step; one that starts from the last impulses needs few."""
 CLOSE_ENOUGH = 1e-9
-"""Change of speed in a sweep at which it ends, relative to the largest speed + 1 [rad/s, m/s]."""
+"""Change of speed below which sweeps end, relative to the largest speed + 1 [rad/s, m/s]."""
 
 
 @kernel

@@ -20,13 +20,13 @@ if TYPE_CHECKING:
 
 INTEGRATORS = ("rk4", "semi-implicit")
 FRICTION_WIDTH = 1e-3
-"""Speed over which Coulomb friction changes sign, at the least [rad/s, m/s]."""
+"""Least width of the speed band in which Coulomb friction changes sign [rad/s, m/s]."""
 LARGEST_SPEED = 1e4
 """A joint that is faster than this has diverged [rad/s, m/s]."""
 STIFFEST = 1.0
-"""Largest `h D / M` of a joint for explicit steps; they are unstable from 2.8 on, and `M` moves."""
+"""Largest `h D / M` of a joint for explicit steps; unstable from 2.8 on, and `M` varies."""
 
-# Rows of the plant's workspace. A recorder takes the first three as one.
+# Rows of the plant's workspace. A recorder copies the first three in one piece.
 Q0, V0, TAU, Q_STAGE, V_STAGE, STEP, SUM_V, SUM_A, LOAD = range(9)
 DISTURBANCE, DAMPING, FRICTION, WIDTH, LIMIT = range(9, 14)
 ROWS = 14
@@ -38,16 +38,16 @@ class Plant:
     Torque is held between ticks (zero-order hold); the disturbance is evaluated at every stage
     of the integrator.
 
-    Friction is explicit in "rk4": Coulomb friction passes through zero over a narrow width of
-    speed, 1e-3 or as much more as keeps one integration step from overshooting a standstill, and
-    strong damping of a light joint asks for short steps (`h D / M < 2`). In "semi-implicit" both
+    Friction is explicit in "rk4": Coulomb friction passes through zero over a narrow band of
+    speed, 1e-3 wide or as wide as keeps one integration step from overshooting a standstill, and
+    strong damping of a light joint requires short steps (`h D / M < 2`). In "semi-implicit" both
     are implicit: joints stick and slip, and any step is stable.
 
     Attributes:
         integrator: "rk4" or "semi-implicit".
-        q: configuration (nq,), the plant's own memory.
-        v: velocity (nv,), the plant's own memory.
-        tau: torque at the joints within the arm's effort limits (nv,), the plant's own memory.
+        q: configuration (nq,), the array that the plant updates in place.
+        v: velocity (nv,), updated in place too.
+        tau: torque at the joints within the arm's effort limits (nv,), updated in place too.
         live: flat arrays that hold `q`, `v` and `tau`, in this order.
     """
 
@@ -71,8 +71,8 @@ class Plant:
             dt: period of a tick [s].
             substeps: integration steps in a tick.
             integrator: "rk4" (fourth order) or "semi-implicit" (Euler, first order, symplectic;
-                friction implicit). By default "rk4", unless the arm has Coulomb friction,
-                which sticks in the other only, or damping too strong for explicit steps.
+                friction implicit). By default "rk4", unless the arm has Coulomb friction, as
+                joints stick only in "semi-implicit", or damping too strong for explicit steps.
             disturbance: `t -> (nv,)`, torque added at the joints [N·m, N].
 
         Raises:
@@ -94,7 +94,7 @@ class Plant:
         if self._euclidean:
             self.q, self._q_stage = work[Q0], work[Q_STAGE]
             self.live: tuple[Array, ...] = (work[Q0 : TAU + 1].reshape(-1),)
-        else:  # No plain vectors: what the kernels write to the rows for positions means nothing.
+        else:  # q is not a plain vector, so the kernels' rows for positions are not used.
             self.q, self._q_stage = np.zeros((2, arm.nq))
             self.live = (self.q, self.v, self.tau)
         self.q[:], self.v[:] = q0, v0
@@ -112,14 +112,14 @@ class Plant:
         self._coast = specialized(coast, h, work)
 
     def load(self, t: float, tau: Array) -> None:
-        """Put `tau` (nv,), as far as the effort limits let it, on the joints at time `t`."""
+        """Apply `tau` (nv,), clipped to the effort limits, to the joints from time `t` on."""
         self.tau[:] = tau
         if self._disturbance is not None:
             self._work[DISTURBANCE] = self._disturbance(t)
         self._begin(self._work)
 
     def hold(self, t: float, dt: float) -> int:
-        """Hold the torque that is on the joints from `t` for `dt` seconds.
+        """Hold the torque that was applied from `t` for `dt` seconds.
 
         Returns:
             The index of the joint that diverged, or -1.
@@ -163,12 +163,12 @@ class Plant:
         return lost
 
     def _move_continuous_joints(self) -> None:
-        """Move a configuration that is no plain vector by the tangent step of the workspace."""
+        """Move a configuration that is not a plain vector by the workspace's tangent step."""
         if not self._euclidean:
             self.q[:] = pin.integrate(self._model, self.q, self._step)
 
     def _suitable(self, integrator: str | None, stiffness: Array) -> str:
-        """Return the integrator that was asked for, or the one that the damping bears."""
+        """Return the integrator that was asked for, or the one that suits friction and damping."""
         stiff = float(stiffness.max(initial=0.0))
         if integrator is None:
             implicit = stiff > STIFFEST or bool(np.any(self._arm.friction))
@@ -181,7 +181,7 @@ class Plant:
         return integrator
 
     def _lightest(self, q: Array) -> Array:
-        """Inertia (nv,) that each joint shows when all others are free, at `q`."""
+        """Inertia (nv,) that each joint has at `q` when all others are free."""
         inverse = pin.computeMinverse(self._model, self._data, q)
         lightest: Array = 1.0 / np.diag(inverse)
         return lightest
@@ -199,7 +199,7 @@ def load(work: Array, v: Array) -> None:
 
 @kernel
 def begin(work: Array) -> None:
-    """Keep the torque within its limits and load the joints with it."""
+    """Clip the torque to its limits and apply it to the joints."""
     for j in range(work.shape[1]):
         work[TAU, j] = min(max(work[TAU, j], -work[LIMIT, j]), work[LIMIT, j])
     load(work, work[V0])
@@ -207,7 +207,7 @@ def begin(work: Array) -> None:
 
 @kernel
 def diverged(work: Array) -> int:
-    """Index of the first joint whose speed is not finite or beyond reason, or -1."""
+    """Index of the first joint whose speed is not finite or too large, or -1."""
     for j in range(work.shape[1]):
         if not abs(work[V0, j]) < LARGEST_SPEED:
             return j
@@ -216,7 +216,7 @@ def diverged(work: Array) -> int:
 
 @kernel
 def rk4_stage(stage: int, h: float, a: Array, work: Array) -> None:
-    """Take in the acceleration of `stage` 0, 1 or 2; prepare the next stage."""
+    """Add the acceleration of `stage` 0, 1 or 2 to the sum; prepare the next stage."""
     reach = h if stage == 2 else 0.5 * h
     weight = 1.0 if stage == 0 else 2.0
     for j in range(a.size):
@@ -231,7 +231,7 @@ def rk4_stage(stage: int, h: float, a: Array, work: Array) -> None:
 
 @kernel
 def rk4_finish(h: float, a: Array, work: Array) -> int:
-    """Take in the last stage and move; return the index of a joint that diverged, or -1."""
+    """Add the last stage and move; return the index of a joint that diverged, or -1."""
     for j in range(a.size):
         work[STEP, j] = h / 6.0 * (work[SUM_V, j] + work[V_STAGE, j])
         work[V0, j] += h / 6.0 * (work[SUM_A, j] + a[j])

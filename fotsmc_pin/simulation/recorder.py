@@ -22,13 +22,13 @@ class Recorder:
 
     A row is copied in one call from the arrays in which the plant and the controller keep these
     numbers: a controller's `live_signals`, where they are vectors in one piece. Others are copied
-    one by one, and where a controller has no such arrays its `signals` are asked for at each row.
+    one by one, and where a controller has no such arrays its `signals` are read at each row.
     """
 
     def __init__(
         self, arm: Arm, plant: Plant, controller: object, *, instants: Array, stride: int
     ) -> None:
-        """Make room for a row at every `stride`-th of the ticks at `instants` [s]."""
+        """Allocate a row for every `stride`-th of the ticks at `instants` [s]."""
         self._arm, self._controller, self._stride, self._filled = arm, controller, stride, 0
         self._t = instants[::stride].copy()
         size = len(self._t)

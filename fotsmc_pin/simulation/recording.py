@@ -1,4 +1,4 @@
-"""`Recording`: everything that happened in a run, time first, with the arm that it happened to."""
+"""`Recording`: everything that happened in a run, time first, with the true arm."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ class Recording:
         """Read a recording that `save` wrote; the arm is rebuilt from what the file holds.
 
         Raises:
-            RecordingError: the file is no recording, or a damaged one.
+            RecordingError: the file is not a recording, or is damaged.
             FileNotFoundError: no such file.
         """
         with Path(path).open("rb") as stream:

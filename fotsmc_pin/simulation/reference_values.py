@@ -1,4 +1,4 @@
-"""The reference of many ticks at once, which costs less than one tick after the other."""
+"""The reference evaluated for many ticks at once, which costs less than tick by tick."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 def reference_values(reference: Reference, t: Array, arm: Arm) -> tuple[Array, Array, Array]:
     """Return `q_d` (N, nq), `v_d` and `a_d` (N, nv) at the times `t` (N,).
 
-    A reference with a method `at(t)` that returns these is asked once; any other is called for
-    each time.
+    A reference with a method `at(t)` that returns these is evaluated once; any other is called
+    for each time.
     """
     at = getattr(reference, "at", None)
     if at is not None:

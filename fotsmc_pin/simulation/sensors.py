@@ -28,7 +28,7 @@ class NoisySensor:
         arm: the arm that is measured.
         position: standard deviation of the position noise, one number or one per joint [rad, m].
         velocity: standard deviation of the velocity noise [rad/s, m/s].
-        seed: where the noise comes from.
+        seed: of the noise.
 
     Raises:
         ArgumentError: a negative standard deviation or seed.
@@ -73,14 +73,14 @@ class QuantizedSensor:
         self.velocity = checks.per_joint("velocity", velocity, arm.nv, at_least=0.0)
 
     def __call__(self, t: float, q: Array, v: Array) -> tuple[Array, Array]:
-        """Return `q` and `v` on their steps, as fresh arrays."""
+        """Return `q` and `v` rounded to their steps, as fresh arrays."""
         angles = self.arm.to_joint_positions(q)
         step = _rounded(angles, self.position) - angles
         return self.arm.integrate(q, step), _rounded(v, self.velocity)
 
 
 class Differentiator(Protocol):
-    """Anything that makes velocity of positions, such as `FilteredDifferentiator`."""
+    """Anything that computes velocity from positions, such as `FilteredDifferentiator`."""
 
     def update(self, q: ArrayLike, dt: float | None = None) -> Array:
         """Return the velocity (nv,) after one more position."""
@@ -92,7 +92,7 @@ class Differentiator(Protocol):
 
 
 class VelocityFromPosition:
-    """No tachometer: the velocity is what a differentiator makes of the measured position.
+    """No tachometer: a differentiator computes the velocity from the measured position.
 
     Args:
         differentiator: `control.FilteredDifferentiator`, `control.ExactDifferentiator` or your own.
@@ -111,7 +111,7 @@ class VelocityFromPosition:
 
 
 class Chain:
-    """Several sensors, or several actuators, each fed with the last one's output.
+    """Several sensors, or several actuators, each given the output of the one before.
 
     Args:
         *parts: sensors `(t, q, v) -> (q, v)` or actuators `(t, tau) -> tau`, not mixed.
@@ -121,7 +121,7 @@ class Chain:
         self.parts = parts
 
     def reset(self) -> None:
-        """Reset every part that can be."""
+        """Reset every part that has a `reset`."""
         for part in self.parts:
             reset = getattr(part, "reset", None)
             if reset is not None:

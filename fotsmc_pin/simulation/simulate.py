@@ -31,7 +31,7 @@ CHUNK = 256
 
 
 class Law(Protocol):
-    """All that the simulation knows of a controller."""
+    """What the simulation uses of a controller."""
 
     dt: float
 
@@ -76,13 +76,13 @@ def simulate(
             recorded.
         reference: `t -> (q_d, v_d, a_d)`, shapes (nq,), (nv,), (nv,); a function of time alone,
             which is evaluated for some ticks ahead. Where it has a method `at` that takes many
-            times (N,) and returns (N, nq), (N, nv), (N, nv), that is asked instead.
+            times (N,) and returns (N, nq), (N, nv), (N, nv), that is called instead.
         duration: simulated time [s].
         q0: configuration at the start (nq,); the reference's by default.
         v0: velocity at the start (nv,); the reference's by default.
         disturbance: `t -> (nv,)`, torque added at the joints [N·m, N], evaluated at every stage.
-        sensor: `(t, q, v) -> (q, v)`, what the controller is told of the true state.
-        actuator: `(t, tau) -> tau`, what becomes of the controller's torque.
+        sensor: `(t, q, v) -> (q, v)`, from the true state to what the controller measures.
+        actuator: `(t, tau) -> tau`, from the controller's torque to what the drives apply.
         substeps: integration steps in a tick.
         integrator: "rk4" or "semi-implicit"; by default "rk4", unless the arm has Coulomb friction
             or damping too strong for explicit steps.
@@ -97,7 +97,8 @@ def simulate(
 
     Raises:
         ArgumentError: an argument is unusable.
-        DivergenceError: a joint left every reasonable bound; it carries the recording so far.
+        DivergenceError: a joint's speed exceeded every reasonable bound; the error carries the
+            recording so far.
     """
     dt = checks.finite_number("controller.dt", controller.dt, above=0.0)
     duration = checks.finite_number("duration", duration, at_least=dt)

@@ -1,4 +1,4 @@
-"""How long a path through waypoints takes inside velocity and acceleration limits."""
+"""Time scaling: the times of a path's waypoints under velocity and acceleration limits."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ PEAK_ACCELERATION = 10.0 / np.sqrt(3.0)
 def motion_limits(
     arm: Arm, velocity_limit: ArrayLike | None, acceleration_limit: ArrayLike | None
 ) -> tuple[Array, Array]:
-    """Return the limits to obey, (nv,) each; the arm's speed and no acceleration by default."""
+    """Return both limits, (nv,); by default the arm's velocity limit and no acceleration limit."""
     velocity, acceleration = arm.velocity_limit, np.full(arm.nv, np.inf)
     if velocity_limit is not None:
         velocity = per_joint("velocity_limit", velocity_limit, arm.nv, above=0.0)
@@ -49,7 +49,7 @@ def rest_to_rest_times(arm: Arm, x: Array, velocity: Array, acceleration: Array)
     """Return the shortest times, (n,) [s], in which quintics from rest to rest keep the limits.
 
     Raises:
-        ArgumentError: two equal waypoints in a row, or a joint that nothing limits.
+        ArgumentError: two equal waypoints in a row, or a joint without limits.
     """
     steps = np.abs(np.diff(x, axis=0))
     for number, step in enumerate(steps):
