@@ -224,12 +224,14 @@ class RobustFONFTSM(Controller[RobustFONFTSMGains]):
 
         # What the last tick did: the disturbance, and the floor under the inertia it calls for.
         if m.ticks[0] == 0.0:
-            m.e_dot_a[:] = x.e_dot
+            for i in range(n):
+                m.e_dot_a[i] = x.e_dot[i]
         else:
             observe(dt, M0, h0, x.v, m.last_v, x.tau, OBSERVER_RATE, m.d)
             raise_floor(dt, x.e, M0, m.d, g.floor_share, g.floor_limit, m.mean_d, m.delta)
-        m.last_v[:] = x.v
-        m.ticks[0] += 1.0
+        for i in range(n):
+            m.last_v[i] = x.v[i]
+            m.ticks[i] += 1.0
 
         # S = D^{α,σ} ė + A ς(e) + λ sig(e)^{p/q}
         advance(derivative, derivative_memory, x.e_dot, dt, w.S)

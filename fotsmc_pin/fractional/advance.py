@@ -153,7 +153,8 @@ def _predict(coefficients: Array, memory: Array, dt: float, y_history: Array) ->
     scheme, slope, tempering = header[SCHEME], header[DIFFERENTIATES], header[TEMPERING]
     count = memory[0, COUNT]
     if count == 0.0:
-        y_history[:n] = 0.0
+        for j in range(n):  # In loops: Numba compiles assignments of slices for two seconds.
+            y_history[j] = 0.0
         return float(header[START_GAIN])
     l0, l1, l2 = output_gains(scheme, slope, tempering, dt, header[EXPONENT], header[NORMALIZER])
     bend, ratio = _bend(scheme, count, dt, memory[0, LAST_PERIOD])
@@ -182,7 +183,8 @@ def _commit(coefficients: Array, memory: Array, x: Array, dt: float) -> None:
     count = memory[0, COUNT]
     response = np.zeros((4, modes))
     if count == 0.0:  # A step from nothing, which the modes take in as a value.
-        response[1] = coefficients[START, :modes]
+        for k in range(modes):
+            response[1, k] = coefficients[START, k]
     else:
         bend, ratio = _bend(scheme, count, dt, memory[0, LAST_PERIOD])
         for k in range(modes):
@@ -193,7 +195,8 @@ def _commit(coefficients: Array, memory: Array, x: Array, dt: float) -> None:
             response[0, k], response[1, k], response[2, k], response[3, k] = decay, g0, g1, g2
     _move(coefficients, memory, x, dt, response, None)
     if count == 0.0:
-        memory[:n, BEFORE_LAST] = x
+        for j in range(n):
+            memory[j, BEFORE_LAST] = x[j]
 
 
 @kernel
