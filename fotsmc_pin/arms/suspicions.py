@@ -33,7 +33,12 @@ def suspicions(arm: Arm, *, gravity_load: NDArray[np.float64], condition: float)
                 f"{joint}: gravity asks for up to {load:.3g}, {load / limit:.2f} times the effort "
                 "limit; the arm cannot hold itself everywhere"
             )
-    if condition > HIGHEST_CONDITION:
+    if arm.idle_joint is not None:
+        yield (
+            f"{arm.idle_joint}: moves no inertia of its own; the arm cannot be simulated unless "
+            "its armature or the inertia of what it carries is given"
+        )
+    elif condition > HIGHEST_CONDITION:
         yield (
             f"the mass matrix has a condition number of {condition:.1e}; the lightest joints will "
             "answer violently, consider giving their armature"

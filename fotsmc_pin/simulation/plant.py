@@ -82,7 +82,9 @@ class Plant:
 
         Raises:
             ArgumentError: naming the argument, its value and the remedy.
+            UrdfError: a joint of the arm moves no inertia.
         """
+        arm.demand_dynamics()
         self._substeps = checks.count("substeps", substeps)
         self._arm, self._model, self._data = arm, arm.model, arm.model.createData()
         h = dt / self._substeps
