@@ -76,6 +76,26 @@ class JointNumbers:
         """Viscous friction of each joint, (nv,) [N·m·s/rad or N·s/m]; not part of the terms."""
         return self._per_joint("damping")
 
+    @cached_property
+    def stiction(self) -> Vector:
+        """Force of breakaway over Coulomb friction of each joint, (nv,), 1 where not given."""
+        return self._per_joint("stiction")
+
+    @cached_property
+    def stribeck_velocity(self) -> Vector:
+        """Speed at which the excess of breakaway fades, (nv,) [rad/s or m/s]; see `perturb`."""
+        return self._per_joint("stribeck_velocity")
+
+    @cached_property
+    def joint_stiffness(self) -> Vector:
+        """Stiffness between motor and link, (nv,) [N·m/rad or N/m], inf for a rigid joint."""
+        return self._per_joint("joint_stiffness")
+
+    @cached_property
+    def joint_damping(self) -> Vector:
+        """Damping between motor and link, (nv,) [N·m·s/rad or N·s/m]."""
+        return self._per_joint("joint_damping")
+
     def _per_joint(self, name: str) -> Vector:
         joints = (self.tree.joints[joint] for joint in self.joint_names)
         return frozen(

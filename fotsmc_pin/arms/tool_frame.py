@@ -6,6 +6,8 @@ import xml.etree.ElementTree as ET
 from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING
 
+from fotsmc_pin.arms.properties import NOTE
+
 if TYPE_CHECKING:
     from collections.abc import Collection
 
@@ -24,8 +26,6 @@ TOOL_FRAMES = (
     "link_eef",
     "*_hand",
 )
-
-NOTE = "fotsmc_pin"  # Tag that carries the choice, for which URDF has none.
 
 
 def default_tool_frame(tree: UrdfTree, hand_joints: Collection[str] = ()) -> str:

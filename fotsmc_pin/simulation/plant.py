@@ -9,9 +9,27 @@ import numpy as np
 import pinocchio as pin
 
 from fotsmc_pin import checks
-from fotsmc_pin.compiled import kernel, settled
+from fotsmc_pin.compiled import settled
 from fotsmc_pin.errors import ArgumentError
-from fotsmc_pin.simulation.dry_friction import rub
+from fotsmc_pin.simulation import stages
+from fotsmc_pin.simulation.implicit_joints import ImplicitJoints
+from fotsmc_pin.simulation.stages import (
+    DAMPING,
+    DISTURBANCE,
+    EXCESS,
+    FRICTION,
+    LIMIT,
+    LOAD,
+    Q0,
+    Q_STAGE,
+    ROWS,
+    STEP,
+    STRIBECK,
+    TAU,
+    V0,
+    V_STAGE,
+    WIDTH,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -26,15 +44,8 @@ if TYPE_CHECKING:
 INTEGRATORS = ("rk4", "semi-implicit")
 FRICTION_WIDTH = 1e-3
 """Speed over which Coulomb friction changes sign, at the least [rad/s, m/s]."""
-LARGEST_SPEED = 1e4
-"""A joint that is faster than this has diverged [rad/s, m/s]."""
 STIFFEST = 1.0
 """Largest `h D / M` of a joint for explicit steps; they are unstable from 2.8 on, and `M` moves."""
-
-# Rows of the plant's workspace. A recorder takes the first three as one.
-Q0, V0, TAU, Q_STAGE, V_STAGE, STEP, SUM_V, SUM_A, LOAD = range(9)
-DISTURBANCE, DAMPING, FRICTION, WIDTH, LIMIT = range(9, 14)
-ROWS = 14
 
 
 class Plant:
@@ -76,8 +87,9 @@ class Plant:
             dt: period of a tick [s].
             substeps: integration steps in a tick.
             integrator: "rk4" (fourth order) or "semi-implicit" (Euler, first order, symplectic;
-                friction implicit). By default "rk4", unless the arm has Coulomb friction,
-                which sticks in the other only, or damping too strong for explicit steps.
+                friction and springs implicit). By default "rk4", unless the arm has Coulomb
+                friction, which sticks in the other only, elastic joints, which only the other
+                knows, or damping too strong for explicit steps.
             disturbance: `t -> (nv,)`, torque added at the joints [N·m, N].
 
         Raises:
@@ -105,18 +117,23 @@ class Plant:
             self.q, self._q_stage = np.zeros((2, arm.nq))
             self.live = (self.q, self.v, self.tau)
         self.q[:], self.v[:] = q0, v0
-        self._impulse = np.zeros(arm.nv)
-        self._rubs = not rk4 and bool(np.any(arm.friction) or np.any(arm.damping))
         if rk4:
             work[DAMPING], work[FRICTION] = arm.damping, arm.friction
-        work[WIDTH] = np.maximum(FRICTION_WIDTH, arm.friction * h / lightest)
+        work[EXCESS], work[STRIBECK] = arm.stiction - 1.0, arm.stribeck_velocity
+        work[WIDTH] = np.maximum(FRICTION_WIDTH, arm.friction * arm.stiction * h / lightest)
         work[LIMIT] = arm.effort_limit
+        self.joints: ImplicitJoints | None = None
+        if not rk4 and has_friction_or_springs(arm):
+            self.joints = joints = ImplicitJoints(arm, self.q, self.v)
+            self._parts = (joints.mass, joints.bias, joints.factor, joints.table, work)
+            self._glide = settled(stages.glide, h, *self._parts)
+            self._advance = self._with_friction
         a = self._acceleration
-        self._begin = settled(begin, work)
-        self._rk4_stage = settled(rk4_stage, 0, h, a, work)
-        self._rk4_finish = settled(rk4_finish, h, a, work)
-        self._accelerate = settled(accelerate, h, a, work)
-        self._coast = settled(coast, h, work)
+        self._begin = settled(stages.begin, work)
+        self._rk4_stage = settled(stages.rk4_stage, 0, h, a, work)
+        self._rk4_finish = settled(stages.rk4_finish, h, a, work)
+        self._accelerate = settled(stages.accelerate, h, a, work)
+        self._coast = settled(stages.coast, h, work)
 
     def load(self, t: float, tau: Array) -> None:
         """Put `tau` (nv,), as far as the effort limits let it, on the joints at time `t`."""
@@ -161,10 +178,16 @@ class Plant:
         if self._disturbance is not None:
             self._work[DISTURBANCE] = self._disturbance(t + h)
         self._accelerate(h, self._acceleration, self._work)
-        if self._rubs:
-            inverse_mass = pin.computeMinverse(self._model, self._data, self.q)
-            rub(h, inverse_mass.T, self._arm.friction, self._arm.damping, self._impulse, self.v)
         lost = self._coast(h, self._work)
+        self._move_continuous_joints()
+        return lost
+
+    def _with_friction(self, t: float, h: float) -> int:
+        if self.joints is not None:
+            self.joints.update(self.q, self.v)
+        lost = self._glide(h, *self._parts)
+        if self._disturbance is not None:
+            self._work[DISTURBANCE] = self._disturbance(t + h)
         self._move_continuous_joints()
         return lost
 
@@ -176,9 +199,14 @@ class Plant:
     def _suitable(self, integrator: str | None, stiffness: Array) -> str:
         """Return the integrator that was asked for, or the one that the damping bears."""
         stiff = float(stiffness.max(initial=0.0))
+        elastic = bool(np.isfinite(self._arm.joint_stiffness).any())
         if integrator is None:
-            rubs = stiff > STIFFEST or bool(np.any(self._arm.friction))
-            return "semi-implicit" if rubs else "rk4"
+            implicit = elastic or stiff > STIFFEST or bool(np.any(self._arm.friction))
+            return "semi-implicit" if implicit else "rk4"
+        if elastic and integrator == "rk4":
+            raise ArgumentError(
+                "integrator", integrator, "the springs of elastic joints want 'semi-implicit'"
+            )
         if checks.choice("integrator", integrator, INTEGRATORS) == "rk4" and stiff > STIFFEST:
             joint = self._arm.joint_names[int(stiffness.argmax())]
             needed = math.ceil(self._substeps * stiff / STIFFEST)
@@ -193,71 +221,7 @@ class Plant:
         return lightest
 
 
-@kernel
-def load(work: Array, v: Array) -> None:
-    """What acts on the joints at speed `v`: torque, disturbance and friction."""
-    for j in range(v.size):
-        friction = work[FRICTION, j]
-        if friction > 0.0:
-            friction *= math.tanh(v[j] / work[WIDTH, j])
-        work[LOAD, j] = work[TAU, j] + work[DISTURBANCE, j] - work[DAMPING, j] * v[j] - friction
-
-
-@kernel
-def begin(work: Array) -> None:
-    """Keep the torque within its limits and load the joints with it."""
-    for j in range(work.shape[1]):
-        work[TAU, j] = min(max(work[TAU, j], -work[LIMIT, j]), work[LIMIT, j])
-    load(work, work[V0])
-
-
-@kernel
-def diverged(work: Array) -> int:
-    """Index of the first joint whose speed is not finite or beyond reason, or -1."""
-    for j in range(work.shape[1]):
-        if not abs(work[V0, j]) < LARGEST_SPEED:
-            return j
-    return -1
-
-
-@kernel
-def rk4_stage(stage: int, h: float, a: Array, work: Array) -> None:
-    """Take in the acceleration of `stage` 0, 1 or 2; prepare the next stage."""
-    reach = h if stage == 2 else 0.5 * h
-    weight = 1.0 if stage == 0 else 2.0
-    for j in range(a.size):
-        v = work[V0, j] if stage == 0 else work[V_STAGE, j]
-        work[SUM_V, j] = weight * v + (0.0 if stage == 0 else work[SUM_V, j])
-        work[SUM_A, j] = weight * a[j] + (0.0 if stage == 0 else work[SUM_A, j])
-        work[STEP, j] = reach * v
-        work[V_STAGE, j] = work[V0, j] + reach * a[j]
-        work[Q_STAGE, j] = work[Q0, j] + work[STEP, j]
-    load(work, work[V_STAGE])
-
-
-@kernel
-def rk4_finish(h: float, a: Array, work: Array) -> int:
-    """Take in the last stage and move; return the index of a joint that diverged, or -1."""
-    for j in range(a.size):
-        work[STEP, j] = h / 6.0 * (work[SUM_V, j] + work[V_STAGE, j])
-        work[V0, j] += h / 6.0 * (work[SUM_A, j] + a[j])
-        work[Q0, j] += work[STEP, j]
-    load(work, work[V0])
-    return diverged(work)
-
-
-@kernel
-def accelerate(h: float, a: Array, work: Array) -> None:
-    """Move the velocity over a step of `h` seconds."""
-    for j in range(a.size):
-        work[V0, j] += h * a[j]
-
-
-@kernel
-def coast(h: float, work: Array) -> int:
-    """Move with the new velocity; return the index of a joint that diverged, or -1."""
-    for j in range(work.shape[1]):
-        work[STEP, j] = h * work[V0, j]
-        work[Q0, j] += work[STEP, j]
-    load(work, work[V0])
-    return diverged(work)
+def has_friction_or_springs(arm: Arm) -> bool:
+    """Return whether an arm has more in its joints than torque."""
+    elastic = np.isfinite(arm.joint_stiffness)
+    return bool(np.any(arm.friction) or np.any(arm.damping) or np.any(elastic))
