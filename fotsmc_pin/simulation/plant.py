@@ -151,10 +151,40 @@ class Plant:
         if self._substeps == 1:
             return self._advance(t, dt)
         h = dt / self._substeps
-        lost = -1
         for k in range(self._substeps):
             lost = self._advance(t + k * h, h)
-        return lost
+            if lost >= 0:
+                return lost
+        return -1
+
+    @property
+    def is_elastic(self) -> bool:
+        """Whether any joint has a spring between motor and link."""
+        return self.joints is not None and self.joints.is_elastic
+
+    def encoders(self) -> tuple[Array, Array]:
+        """Return configuration (nq,) and speed (nv,) of the motors, which lead by the springs."""
+        if self.joints is None:
+            return self.q, self.v
+        deflection = self.joints.deflection
+        q = (
+            self.q + deflection
+            if self._euclidean
+            else pin.integrate(self._model, self.q, deflection)
+        )
+        return q, self.joints.motor_speed
+
+    @property
+    def live_signals(self) -> dict[str, Array]:
+        """What a recording keeps of elastic joints, the plant's own memory."""
+        if self.joints is None or not self.is_elastic:
+            return {}
+        return {"deflection": self.joints.deflection, "motor_speed": self.joints.motor_speed}
+
+    def stage_times(self, t: float, dt: float) -> list[float]:
+        """Return when the disturbance is asked in a tick that starts at `t` [s]."""
+        halves = 2 * self._substeps
+        return [t + dt * k / halves for k in range(halves + 1)]
 
     def _rk4(self, t: float, h: float) -> int:
         model, data, load, disturbance = self._model, self._data, self._load, self._disturbance

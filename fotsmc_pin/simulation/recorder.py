@@ -37,8 +37,9 @@ class Recorder:
         size = len(self._t)
         self._q_d, self._v_d = np.zeros((size, arm.nq)), np.zeros((size, arm.nv))
         shown = getattr(controller, "signals", {})
-        live = getattr(controller, "live_signals", {})
+        live = {**getattr(controller, "live_signals", {}), **plant.live_signals}
         self._names = tuple(name for name in shown if is_flat(live.get(name)))
+        self._names = tuple(dict.fromkeys((*self._names, *plant.live_signals)))
         self._asked = {
             name: np.zeros((size, np.size(value)))
             for name, value in shown.items()
