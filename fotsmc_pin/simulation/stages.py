@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from fotsmc_pin.compiled import kernel
-from fotsmc_pin.simulation.dry_friction import slide
+from fotsmc_pin.simulation.dry_friction import TABLE_ROWS, slide
 
 if TYPE_CHECKING:
     import numpy as np
@@ -20,7 +20,9 @@ LARGEST_SPEED = 1e4
 # Rows of the plant's workspace. A recorder takes the first three as one.
 Q0, V0, TAU, Q_STAGE, V_STAGE, STEP, SUM_V, SUM_A, LOAD = range(9)
 DISTURBANCE, DAMPING, FRICTION, EXCESS, STRIBECK, WIDTH, LIMIT = range(9, 16)
-ROWS = 16
+TABLE = slice(16, 16 + TABLE_ROWS)
+"""Rows of the table of joints with friction or springs; as many as joints follow to factorise."""
+ROWS = 16 + TABLE_ROWS
 
 
 @kernel
@@ -103,8 +105,9 @@ def move(h: float, work: Array) -> None:
 
 
 @kernel
-def glide(h: float, mass: Array, bias: Array, factor: Array, table: Array, work: Array) -> int:
+def glide(h: float, mass: Array, bias: Array, work: Array) -> int:
     """Move over a step of joints with friction or springs; return as `coast` does."""
+    table, factor = work[ROWS - TABLE_ROWS : ROWS], work[ROWS:]
     slide(h, mass, bias, work[TAU], work[DISTURBANCE], work[V0], factor, table)
     move(h, work)
     return diverged(work)

@@ -236,7 +236,7 @@ class TestEncoders:
 
         def look(q, v):
             seen.append((q.copy(), v.copy()))
-            return np.zeros(arm.nv)
+            return np.ones(arm.nv)
 
         rec = simulate(arm, held(arm, 1e-3, look), Hold(arm), 0.1, encoder=encoder)
         for row, (q, v) in enumerate(seen):
