@@ -13,6 +13,7 @@ import pinocchio as pin
 from fotsmc_pin.arms.joint_numbers import JointNumbers, frozen
 from fotsmc_pin.arms.markup import parse_urdf
 from fotsmc_pin.arms.model import build_model
+from fotsmc_pin.arms.mounting import base_gravity
 from fotsmc_pin.arms.singular import joint_without_inertia, no_inertia
 from fotsmc_pin.arms.tree import UrdfTree
 from fotsmc_pin.arms.visuals import visual_model
@@ -133,6 +134,11 @@ class Arm(JointNumbers):
     def tool_frame_id(self) -> int:
         """Index of the tool frame among `model.frames`; a joint may bear the same name."""
         return int(self.model.getFrameId(self.tool_frame, pin.FrameType.BODY))
+
+    @cached_property
+    def base_gravity(self) -> Vector:
+        """Gravity that the arm feels, in the frame of its base, (3,) [m/s²]."""
+        return frozen(base_gravity(self.tree))
 
     @cached_property
     def idle_joint(self) -> str | None:

@@ -11,6 +11,7 @@ from fotsmc_pin.arms.inertia import moving_mass
 from fotsmc_pin.arms.locking import apply_locks, choose_locks
 from fotsmc_pin.arms.markup import parse_urdf, urdf_text
 from fotsmc_pin.arms.model import build_model
+from fotsmc_pin.arms.mounting import turn_base
 from fotsmc_pin.arms.overrides import apply_overrides
 from fotsmc_pin.arms.properties import complete_limits, read_properties
 from fotsmc_pin.arms.rotors import LIMIT_OVER_ARMATURE, ROTORS, rotor_inertias
@@ -22,6 +23,8 @@ from fotsmc_pin.errors import ArgumentError
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
     from os import PathLike
+
+    from numpy.typing import ArrayLike
 
     from fotsmc_pin.arms.locking import Patterns
     from fotsmc_pin.arms.overrides import PerJoint
@@ -40,6 +43,7 @@ def load_arm(
     velocity_limit: PerJoint | None = None,
     lower_position_limit: PerJoint | None = None,
     upper_position_limit: PerJoint | None = None,
+    gravity: ArrayLike | None = None,
     tool_frame: str | None = None,
     name: str | None = None,
 ) -> Arm:
@@ -67,6 +71,9 @@ def load_arm(
         velocity_limit: largest speed [rad/s or m/s], inf for none.
         lower_position_limit: lowest position [rad or m], -inf for none.
         upper_position_limit: highest position [rad or m], inf for none.
+        gravity: what the arm feels (3,) [m/s²] in the frame of its base; (0, 0, -9.81) by default,
+            (0, 0, 9.81) below a ceiling, (9.81, 0, 0) on a wall with the base's x down, zero in
+            space. The arm's URDF becomes that of a turned base, which is also how it is drawn.
         tool_frame: frame at the tool; by default one with a usual name, else the last link of
             the longest chain.
         name: what to call the arm.
@@ -118,6 +125,10 @@ def load_arm(
             f"armature of {joint} estimated as {value:.3g}, effort limit / {LIMIT_OVER_ARMATURE:g}"
             for joint, value in rotors.items()
         ]
+
+    if gravity is not None:
+        tree, turned = turn_base(tree, gravity)
+        notes.append(turned)
 
     folders = [
         *(str(Path(folder).resolve()) for folder in package_dirs),

@@ -38,7 +38,8 @@ def joint_without_inertia(arm: Arm) -> str | None:
     places = [arm.neutral, *(arm.random_configuration(rng) for _ in range(CONFIGURATIONS - 1))]
     data = arm.model.createData()
     masses = [np.array(pin.crba(arm.model, data, q)) for q in places]
-    largest = np.max([np.diag(mass) / np.trace(mass) for mass in masses], axis=0)
+    whole = max(float(np.trace(mass)) for mass in masses) or 1.0
+    largest = np.max([np.diag(mass) / whole for mass in masses], axis=0)
     if largest.min() <= NOTHING:
         return arm.joint_names[int(largest.argmin())]
     directions = []

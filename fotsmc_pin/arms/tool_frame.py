@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import xml.etree.ElementTree as ET
 from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING
 
+from fotsmc_pin.arms.mounting import noted
 from fotsmc_pin.arms.properties import NOTE
 
 if TYPE_CHECKING:
@@ -59,7 +59,4 @@ def noted_tool_frame(tree: UrdfTree) -> str | None:
 
 def note_tool_frame(tree: UrdfTree, tool_frame: str) -> None:
     """Write the tool frame into the URDF, which has no tag of its own for it."""
-    note = tree.robot.find(NOTE)
-    if note is None:
-        note = ET.SubElement(tree.robot, NOTE)
-    note.set("tool_frame", tool_frame)
+    noted(tree.robot).set("tool_frame", tool_frame)

@@ -141,7 +141,12 @@ def simulate(
     started = time.perf_counter()
 
     def recording() -> Recording:
-        options = {"duration": duration, "substeps": substeps, "integrator": plant.integrator}
+        options: dict[str, Any] = {
+            "duration": duration,
+            "substeps": substeps,
+            "integrator": plant.integrator,
+        }
+        options["gravity"] = arm.base_gravity.tolist()
         if plant.is_elastic:
             options["encoder"] = encoder
         took = time.perf_counter() - started
