@@ -74,8 +74,8 @@ def load_arm(
         gravity: what the arm feels (3,) [m/s²] in the frame of its base; (0, 0, -9.81) by default,
             (0, 0, 9.81) below a ceiling, (9.81, 0, 0) on a wall with the base's x down, zero in
             space. The arm's URDF becomes that of a turned base, which is also how it is drawn.
-        tool_frame: frame at the tool; by default one with a usual name, else the last link of
-            the longest chain.
+        tool_frame: frame at the tool; by default a link with a usual name, else the last link of
+            the longest chain, else, if that lies at the last joint, a frame placed beyond it.
         name: what to call the arm.
 
     Returns:
@@ -136,7 +136,10 @@ def load_arm(
         *package_folders(tree.robot, (path.parent, *path.parent.parents, *shared_folders())),
     ]
     hand = {fixed.joint.name for fixed in locks if fixed.is_of_hand}
-    tool_frame = tool_frame or noted_tool_frame(tree) or default_tool_frame(tree, hand)
+    tool_frame = tool_frame or noted_tool_frame(tree)
+    if tool_frame is None:
+        tool_frame, placed = default_tool_frame(tree, hand)
+        notes += placed
     note_tool_frame(tree, tool_frame)
     return Arm(
         urdf=urdf_text(tree.robot),

@@ -8,6 +8,7 @@ import numpy as np
 
 from fotsmc_pin.arms.inertia import read_inertia
 from fotsmc_pin.arms.perturbation import moving_links
+from fotsmc_pin.arms.tool_point import joint_under
 from fotsmc_pin.arms.visuals import find_mesh
 
 if TYPE_CHECKING:
@@ -42,6 +43,12 @@ def suspicions(arm: Arm, *, gravity_load: NDArray[np.float64], condition: float)
         yield (
             f"the mass matrix has a condition number of {condition:.1e}; the lightest joints will "
             "answer violently, consider giving their armature"
+        )
+    last = joint_under(arm.tree, arm.tool_frame)
+    if last is not None:
+        yield (
+            f"the tool frame {arm.tool_frame} lies at the origin of {last}: payloads, the mass "
+            "that the limits hold and tool paths are those of this joint; tool_frame=... moves it"
         )
     yield from _meshes(arm)
 
@@ -121,7 +128,8 @@ def _reach(arm: Arm) -> float:
             total += 1.0 if joint.type == "prismatic" else 0.0
         return total
 
-    return max(length(link) for link in tree.links)
+    # The tool frame may have been placed by the very numbers that are to be judged.
+    return max(length(link) for link in tree.links if link != arm.tool_frame)
 
 
 def _meshes(arm: Arm) -> Iterator[str]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from fotsmc_pin.arms.mounting import noted
 from fotsmc_pin.arms.properties import NOTE
+from fotsmc_pin.arms.tool_point import joint_under, place_tool
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -28,11 +29,16 @@ TOOL_FRAMES = (
 )
 
 
-def default_tool_frame(tree: UrdfTree, hand_joints: Collection[str] = ()) -> str:
+def default_tool_frame(tree: UrdfTree, hand_joints: Collection[str] = ()) -> tuple[str, list[str]]:
     """Return a link with a usual tool name, else the last link of the longest chain.
 
     Chains are as long as they have moving joints, then as they have joints; the first one in the
-    file wins a tie. Links beyond `hand_joints`, which are fingers, do not count.
+    file wins a tie. Links beyond `hand_joints`, which are fingers, do not count. Where that link
+    lies at the origin of the last joint, and bears no usual name, a frame is placed in the tree
+    beyond it, which `place_tool` describes.
+
+    Returns:
+        The frame's name, and what is worth knowing about it in plain words.
     """
 
     def length(link: str) -> tuple[int, int]:
@@ -46,8 +52,12 @@ def default_tool_frame(tree: UrdfTree, hand_joints: Collection[str] = ()) -> str
     ]
     longest = max(palm, key=length)
     ends = [link for link in palm if length(link)[0] == length(longest)[0]]
-    usual = (link for pattern in TOOL_FRAMES for link in ends if fnmatchcase(link, pattern))
-    return next(usual, longest)
+    usual = [link for pattern in TOOL_FRAMES for link in ends if fnmatchcase(link, pattern)]
+    if not usual and joint_under(tree, longest) is not None:
+        placed = place_tool(tree, longest, hand_joints)
+        if placed is not None:
+            return placed[0], [placed[1]]
+    return next(iter(usual), longest), []
 
 
 def noted_tool_frame(tree: UrdfTree) -> str | None:
