@@ -19,8 +19,9 @@ at the speed from which the step starts, so that a joint at rest breaks away at 
 
 The solution is unique, because the equations are those of the least of a convex function. If one
 knows which joints slide and which way, they are linear: the guess is that of the last step, one
-factorisation solves them, and the answer shows whether the guess was right. If not, a sweep of
-Gauss-Seidel, each joint exactly, makes the next guess.
+factorisation solves them, and the answer shows whether the guess was right. If not, the speeds move
+towards that answer until some joint would begin or end to slide, and a sweep of Gauss-Seidel, each
+joint exactly, makes the next guess. Both lower the convex function, so that no guess comes twice.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 GUESSES = 50
-"""Most guesses in a step; the sweeps between them converge by themselves."""
+"""Most guesses in a step; a handful is what random states of real arms need."""
 ROUNDING = 1e-12
 """Share of the dry friction by which a resting joint may be pushed beyond it."""
 
@@ -74,12 +75,13 @@ def slide(
     prepare(h, mass, bias, torque, push, v, x)
     right = False
     for guess in range(GUESSES):
-        if guess > 0:
-            sweep(h, mass, v, x)
         solve(h, mass, factor, x)
         right = is_right(mass, x)
         if right:
             break
+        if guess > 0:
+            approach(v, x)
+        sweep(h, mass, v, x)
     for j in range(v.size):
         if right:
             v[j] = x[SPEED, j]
@@ -190,6 +192,27 @@ def is_right(mass: Array, x: Array) -> bool:
         if not abs(free) <= level * (1.0 + ROUNDING):
             return False
     return True
+
+
+@kernel
+def approach(v: Array, x: Array) -> None:
+    """Move `v` towards the speeds of the last guess as far as no joint changes its way to slide."""
+    share = 1.0
+    for j in range(v.size):
+        level, slides, speed = x[LEVEL, j], x[SLIDES, j], x[SPEED, j]
+        if level == 0.0:
+            continue
+        if x[STIFFNESS, j] > 0.0:
+            here = x[MOTOR_PUSH, j] + x[COUPLING, j] * v[j]
+            there = x[MOTOR_PUSH, j] + x[COUPLING, j] * speed
+            edge = level * slides if slides != 0.0 else math.copysign(level, there)
+            crosses = slides * there < level if slides != 0.0 else abs(there) > level
+            if crosses and here != there:
+                share = min(share, max((edge - here) / (there - here), 0.0))
+        elif slides * speed < 0.0:
+            share = min(share, v[j] / (v[j] - speed))
+    for j in range(v.size):
+        v[j] += share * (x[SPEED, j] - v[j])
 
 
 @kernel

@@ -42,13 +42,13 @@ def table(arm, v):
 class TestSolver:
     """Random states of real arms, from wild motion to rest, one table through all of them."""
 
-    @pytest.fixture(params=["panda", "so100", "ur10"])
+    @pytest.fixture(params=["panda", "so100", "ur10", "xarm7"])
     def arm(self, request):
         arm = load_arm(request.param)
         n = arm.nv
         return perturb(arm, friction=np.linspace(0.0, 1.0, n), damping=np.linspace(0.5, 0.0, n))
 
-    @pytest.mark.parametrize("h", [5e-4, 4e-3])
+    @pytest.mark.parametrize("h", [5e-4, 4e-3, 2e-2])
     def test_it_gives_the_speeds_of_an_independent_solver(self, arm, h):
         rng = np.random.default_rng(3)
         x, factor = table(arm, np.zeros(arm.nv)), np.zeros((arm.nv, arm.nv))
