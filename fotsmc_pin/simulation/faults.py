@@ -109,7 +109,7 @@ def divergence(
         reached = float(recording.v[row, first])
     joint, unit = arm.joint_names[first], arm.position_units[first]
     return DivergenceError(
-        f"the simulation diverged and was given up at t = {time:.4g} s: joint {joint!r} left "
+        f"the simulation diverged at t = {time:.4g} s: joint {joint!r} left "
         f"first, at t = {left:.4g} s, with {reached:.3g} {unit}/s; try more substeps, a shorter "
         "tick, or lower gains",
         time,

@@ -48,7 +48,7 @@ class TestSolver:
         n = arm.nv
         return perturb(arm, friction=np.linspace(0.0, 1.0, n), damping=np.linspace(0.5, 0.0, n))
 
-    @pytest.mark.parametrize("h", [5e-4, 4e-3, 2e-2])
+    @pytest.mark.parametrize("h", [5e-4, 4e-3])
     def test_it_gives_the_speeds_of_an_independent_solver(self, arm, h):
         rng = np.random.default_rng(3)
         x, factor = table(arm, np.zeros(arm.nv)), np.zeros((arm.nv, arm.nv))
@@ -66,9 +66,11 @@ class TestSolver:
             slid += np.count_nonzero(v)
         assert min(rested, slid) > 50, "both kinds were seen"
 
-    def test_friction_opposes_and_holds_as_coulomb_says(self, arm):
+    @pytest.mark.parametrize("h", [5e-4, 2e-2])
+    def test_friction_opposes_and_holds_as_coulomb_says(self, arm, h):
+        """These are the conditions of the solution, which is unique, to rounding."""
         rng = np.random.default_rng(4)
-        h, x, factor = 5e-4, table(arm, np.zeros(arm.nv)), np.zeros((arm.nv, arm.nv))
+        x, factor = table(arm, np.zeros(arm.nv)), np.zeros((arm.nv, arm.nv))
         for size in np.tile([1.0, 1e-2, 0.0], 60):
             q, v0 = arm.random_configuration(rng), size * rng.normal(size=arm.nv)
             mass, bias = arm.mass_matrix(q), arm.inverse_dynamics(q, v0, np.zeros(arm.nv))
