@@ -102,16 +102,18 @@ def divergence(
     bound = np.where(np.isfinite(limit), UNREASONABLE * limit, UNREASONABLE_SPEED)
     excess = np.abs(recording.v) / bound
     beyond = np.flatnonzero((excess > 1.0).any(axis=1))
-    left, first, reached = time, lost, float(speed[lost])
+    left, first, reached, others = time, lost, float(speed[lost]), ""
     if beyond.size:
         row = int(beyond[0])
         left, first = float(recording.t[row]), int(excess[row].argmax())
         reached = float(recording.v[row, first])
+        also = [arm.joint_names[j] for j in np.flatnonzero(excess[row] > 1.0) if j != first]
+        others = f", in the same tick as {', '.join(also)}" if also else ""
     joint, unit = arm.joint_names[first], arm.position_units[first]
     return DivergenceError(
         f"the simulation diverged at t = {time:.4g} s: joint {joint!r} left "
-        f"first, at t = {left:.4g} s, with {reached:.3g} {unit}/s; try more substeps, a shorter "
-        "tick, or lower gains",
+        f"first, at t = {left:.4g} s, with {reached:.3g} {unit}/s{others}; try more substeps, "
+        "a shorter tick, or lower gains",
         time,
         joint,
         recording,
