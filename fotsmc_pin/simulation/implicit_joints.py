@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fotsmc_pin.arms.perturbation import demand_motors
 from fotsmc_pin.simulation import dry_friction as rows
 
 if TYPE_CHECKING:
@@ -34,6 +35,7 @@ class ImplicitJoints:
 
     def __init__(self, arm: Arm, q: Array, v: Array, table: Array) -> None:
         """Start at the configuration `q` and the speed `v`, with a table of zeros to fill."""
+        demand_motors(arm)
         elastic = np.isfinite(arm.joint_stiffness)
         self.is_elastic = bool(elastic.any())
         self.model = arm.model

@@ -274,6 +274,14 @@ def test_a_joint_without_a_motor_is_named():
         perturb(load_arm("panda"), joint_stiffness=1e4)
 
 
+def test_a_file_that_forgets_the_motor_is_refused_before_the_run(slider, held, tmp_path):
+    path = tmp_path / "no_motor.urdf"
+    path.write_text(slider.urdf.replace("</joint>", '<fotsmc_pin joint_stiffness="9"/></joint>', 1))
+    arm = load_arm(path, armature=0.0)
+    with pytest.raises(ArgumentError, match="'slide' has no armature"):
+        simulate(arm, held(arm, 1e-3), Hold(arm), 0.01)
+
+
 def test_rk4_is_refused(soft_panda, held):
     with pytest.raises(ArgumentError, match="springs"):
         simulate(soft_panda, held(soft_panda, 1e-3), Hold(soft_panda), 0.1, integrator="rk4")
