@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pinocchio as pin
 
+from fotsmc_pin.arms.rotors import rotor_remark
 from fotsmc_pin.arms.suspicions import suspicions
 from fotsmc_pin.checks import count
 
@@ -29,6 +30,7 @@ class Inspection:
         payload: mass at the tool frame that the effort limits can still hold in every one of the
             configurations [kg]; inf without effort limits, 0 where the arm cannot hold itself.
         warnings: what looks wrong, in plain words.
+        remarks: what is right in the file and worth knowing all the same, in plain words.
     """
 
     arm: Arm
@@ -38,6 +40,7 @@ class Inspection:
     condition: tuple[float, float]
     payload: float
     warnings: tuple[str, ...]
+    remarks: tuple[str, ...] = ()
 
     @property
     def gravity_share(self) -> Array:
@@ -68,6 +71,7 @@ def inspect_arm(arm: Arm, *, samples: int = 200, seed: int = 0) -> Inspection:
         condition=(float(np.median(conditions)), float(conditions.max())),
         payload=_payload(arm, configurations, gravity),
         warnings=tuple(suspicions(arm, gravity_load=load, condition=float(conditions.max()))),
+        remarks=tuple(remark for remark in (rotor_remark(arm),) if remark is not None),
     )
 
 

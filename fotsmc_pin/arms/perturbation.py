@@ -37,6 +37,10 @@ def perturb(
     friction: PerJoint | PerLink | None = None,
     damping: PerJoint | PerLink | None = None,
     armature: PerJoint | PerLink | None = None,
+    stiction: PerJoint | PerLink | None = None,
+    stribeck_velocity: PerJoint | PerLink | None = None,
+    joint_stiffness: PerJoint | PerLink | None = None,
+    joint_damping: PerJoint | PerLink | None = None,
     seed: int | None = None,
     name: str | None = None,
 ) -> Arm:
@@ -60,6 +64,14 @@ def perturb(
         friction: Coulomb friction in place of the arm's, by joint [N·m or N].
         damping: viscous friction in place of the arm's, by joint [N·m·s/rad or N·s/m].
         armature: motor inertia in place of the arm's, by joint [kg·m² or kg].
+        stiction: friction at breakaway over Coulomb friction, at least 1, by joint. From rest on,
+            friction falls along Stribeck's curve
+            `friction · (1 + (stiction - 1) exp(-(v / stribeck_velocity)²))`.
+        stribeck_velocity: speed of that fall, by joint [rad/s or m/s]; 0.05 where not given.
+        joint_stiffness: of the spring between motor and link, by joint [N·m/rad or N/m]; inf for a
+            rigid joint. The motor's inertia is the joint's armature, and friction acts on the motor
+            (Spong's model).
+        joint_damping: of that spring, by joint [N·m·s/rad or N·s/m].
         seed: where draws come from; needed when anything is drawn.
         name: what to call the result; by default the arm's name and "_perturbed".
 
@@ -67,7 +79,10 @@ def perturb(
         The changed arm; its `changes` list what was done, seed included.
 
     Raises:
-        ArgumentError: an unknown link or joint, a number out of its range, or a missing seed.
+        ArgumentError: an unknown link or joint, a number out of its range, a missing seed, or an
+            elastic joint whose motor has no inertia.
+
+    Source: Spong, Journal of Dynamic Systems, Measurement, and Control, 1987 (elastic joints).
     """
     tree = UrdfTree(parse_urdf(arm.urdf, arm.name), arm.name)
     random = RandomNumbers(seed)
@@ -78,7 +93,15 @@ def perturb(
         *_repair(tree),
         *_attach_payloads(tree, random, payload, arm.tool_frame),
     ]
-    per_joint = {"friction": friction, "damping": damping, "armature": armature}
+    per_joint = {
+        "friction": friction,
+        "damping": damping,
+        "armature": armature,
+        "stiction": stiction,
+        "stribeck_velocity": stribeck_velocity,
+        "joint_stiffness": joint_stiffness,
+        "joint_damping": joint_damping,
+    }
     for what, given in per_joint.items():
         if given is not None:
             changes += _set_per_joint(tree, random, what, given, arm.joint_names)
@@ -86,12 +109,32 @@ def perturb(
         changes.append(f"drawn from seed {random.seed}")
     all_changes = (*arm.changes, *changes)
     comment = "\n".join([f"Changes to {arm.name}:", *(f"  {change}" for change in all_changes)])
-    return replace(
+    changed = replace(
         arm,
         urdf=urdf_text(tree.robot, comment if all_changes else ""),
         name=name or f"{arm.name}_perturbed",
         changes=all_changes,
     )
+    demand_motors(changed)
+    return changed
+
+
+def demand_motors(arm: Arm) -> None:
+    """Refuse an elastic joint whose motor has no inertia.
+
+    Raises:
+        ArgumentError: naming the joint and the remedy.
+    """
+    for name, stiffness, rotor in zip(
+        arm.joint_names, arm.joint_stiffness, arm.armature, strict=True
+    ):
+        if np.isfinite(stiffness) and rotor == 0.0:
+            raise ArgumentError(
+                "joint_stiffness",
+                float(stiffness),
+                f"joint {name!r} has no armature, which is the inertia of the motor behind the "
+                f'spring; give armature=... here, or armature="rotors" to load_arm',
+            )
 
 
 def moving_links(tree: UrdfTree) -> list[str]:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
 from fotsmc_pin.cli.output import plain_console
+from fotsmc_pin.errors import ArgumentError
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -28,24 +29,49 @@ def inspect_command(
     package_dir: Annotated[
         list[Path] | None, typer.Option(help="Where package:// begins; may be repeated.")
     ] = None,
+    armature: Annotated[
+        str | None,
+        typer.Option(
+            help="Motor inertia of all joints; the word rotors estimates what is missing."
+        ),
+    ] = None,
     samples: Annotated[int, typer.Option(help="Number of random configurations.")] = 200,
     seed: Annotated[int, typer.Option(help="Where they are drawn from.")] = 0,
 ) -> None:
     """Say what was understood of a URDF: joints, limits, loads, and what looks wrong."""
     from fotsmc_pin.arms import inspect_arm, load_arm
 
-    arm = load_arm(file, lock=lock or None, keep=keep or None, package_dirs=package_dir or ())
+    arm = load_arm(
+        file,
+        lock=lock or None,
+        keep=keep or None,
+        package_dirs=package_dir or (),
+        armature=_armature(armature),
+    )
     found = inspect_arm(arm, samples=samples, seed=seed)
     console = plain_console()
     console.print(_joints(found))
     console.print(_loads(found))
     _say(console, _facts(found))
+    for remark in found.remarks:
+        _say(console, ["", remark])
     if arm.notes:
         _say(console, ["", "Decided while loading:", *(f"  {note}" for note in arm.notes)])
     if found.warnings:
         _say(console, ["", "Looks wrong:", *(f"  {warning}" for warning in found.warnings)])
     else:
         _say(console, ["", "Nothing looks wrong."])
+
+
+def _armature(text: str | None) -> float | Literal["rotors"] | None:
+    if text is None:
+        return None
+    if text == "rotors":
+        return "rotors"
+    try:
+        return float(text)
+    except ValueError:
+        raise ArgumentError("--armature", text, "write a number or the word rotors") from None
 
 
 def _say(console: Console, lines: list[str]) -> None:

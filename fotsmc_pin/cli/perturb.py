@@ -31,7 +31,10 @@ def perturb_command(
     ] = None,
     friction: Annotated[list[str] | None, typer.Option(help=f"Of joints [N·m]: {HOW}.")] = None,
     damping: Annotated[list[str] | None, typer.Option(help=f"Of joints [N·m·s]: {HOW}.")] = None,
-    armature: Annotated[list[str] | None, typer.Option(help=f"Of joints [kg·m²]: {HOW}.")] = None,
+    armature: Annotated[
+        list[str] | None,
+        typer.Option(help=f"Of joints [kg·m²]: {HOW}; rotors estimates what is missing."),
+    ] = None,
     seed: Annotated[int | None, typer.Option(help="Where draws come from.")] = None,
     lock: Annotated[
         list[str] | None, typer.Option(help="Joint to fix, name or pattern; may be repeated.")
@@ -48,7 +51,14 @@ def perturb_command(
     from fotsmc_pin.arms import Payload, load_arm, perturb
 
     target = result_file(out, force=force)
-    arm = load_arm(file, lock=lock or None, keep=keep or None, package_dirs=package_dir or ())
+    rotors = armature == ["rotors"]
+    arm = load_arm(
+        file,
+        lock=lock or None,
+        keep=keep or None,
+        package_dirs=package_dir or (),
+        armature="rotors" if rotors else None,
+    )
     true = perturb(
         arm,
         mass_scale=_values("--mass-scale", mass_scale, 1.0),
@@ -57,7 +67,7 @@ def perturb_command(
         payload=Payload(mass=_number("--payload", payload), frame=payload_frame),
         friction=_values("--friction", friction, None),
         damping=_values("--damping", damping, None),
-        armature=_values("--armature", armature, None),
+        armature=None if rotors else _values("--armature", armature, None),
         seed=seed,
     )
     true.write_urdf(target)

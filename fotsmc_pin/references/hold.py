@@ -36,3 +36,8 @@ class Hold:
     def __call__(self, t: float) -> tuple[Array, Array, Array]:
         """Return `q_d` (nq,), `v_d` (nv,) and `a_d` (nv,) at time `t` [s], all fresh arrays."""
         return np.array(self.q), np.zeros(self.arm.nv), np.zeros(self.arm.nv)
+
+    def at(self, t: Array) -> tuple[Array, Array, Array]:
+        """Return `q_d` (N, nq), `v_d` and `a_d` (N, nv) at the times `t` (N,) [s]."""
+        n, nv = len(t), self.arm.nv
+        return np.tile(np.asarray(self.q), (n, 1)), np.zeros((n, nv)), np.zeros((n, nv))

@@ -17,11 +17,10 @@ from fotsmc_pin.references.time_scaling import motion_limits
 if TYPE_CHECKING:
     from os import PathLike
 
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
     from fotsmc_pin.arms import Arm
-
-    Matrix = NDArray[np.float64]
+    from fotsmc_pin.types import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -103,9 +102,7 @@ class Spline(JointPath):
         )
 
 
-def spline_pieces(
-    t: Matrix, x: Matrix, *, degree: int = 5, rest: bool = True
-) -> tuple[Matrix, Matrix]:
+def spline_pieces(t: Array, x: Array, *, degree: int = 5, rest: bool = True) -> tuple[Array, Array]:
     """Return the spline through samples as the break points and coefficients of a `JointPath`.
 
     Args:
@@ -123,7 +120,7 @@ def spline_pieces(
     # SciPy takes pairs of (order, value) for each end, which its type stubs do not know.
     ends: Any = (still, still) if rest else None
     spline = make_interp_spline(t, x, k=degree, bc_type=ends)
-    weights: Matrix = spline.c
+    weights: Array = spline.c
     # A B-spline repeats its end knots `degree` times: pieces of no length, which are cut off.
     inner = slice(degree, -degree)
     columns = [PPoly.from_spline((spline.t, column, degree)).c[:, inner] for column in weights.T]
