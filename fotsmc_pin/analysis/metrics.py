@@ -6,7 +6,6 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.integrate import trapezoid
 
 from fotsmc_pin import checks
 
@@ -105,15 +104,15 @@ def summarize(rec: Recording) -> Summary:
         tail_rms_error=_rms(error[tail]),
         max_error=float(error.max()),
         max_tail_error=float(error[tail].max()),
-        iae=float(trapezoid(error, t)),
-        ise=float(trapezoid(error**2, t)),
-        itae=float(trapezoid(t * error, t)),
+        iae=float(np.trapezoid(error, t)),
+        ise=float(np.trapezoid(error**2, t)),
+        itae=float(np.trapezoid(t * error, t)),
         peak_torque=float(np.abs(tau).max()),
         rms_torque=_rms(np.linalg.norm(tau, axis=1)),
         torque_variation=torque_variation(t, tau),
         tail_torque_variation=torque_variation(t[tail], tau[tail]),
         chattering=power_above(t[tail], tau[tail], 20.0),
-        energy=float(trapezoid(np.abs(tau * rec.v).sum(axis=1), t)),
+        energy=float(np.trapezoid(np.abs(tau * rec.v).sum(axis=1), t)),
         saturation_fraction=float(limited.any(axis=1).mean()),
         duration=float(t[-1] - t[0]),
     )
