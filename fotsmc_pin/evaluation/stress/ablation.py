@@ -30,7 +30,7 @@ def ablate(run: Callable[[RobustFONFTSM, str], StressRow], arm: Arm, dt: float) 
     """Run each of `VARIANTS` in a scenario.
 
     Args:
-        run: `(controller, label) -> row`: runs the scenario and judges the run.
+        run: `(controller, label) -> row`: runs the scenario and returns its row.
         arm: the nominal arm.
         dt: period of a tick [s].
     """

@@ -26,7 +26,7 @@ DURATION = 4.0
 
 @dataclass(frozen=True, kw_only=True)
 class SeededRow:
-    """The result in a random scenario, and the seed that makes the scenario again.
+    """The result in a random scenario, and the seed that reproduces the scenario.
 
     Attributes:
         seed: of `random_scenario`.
@@ -94,7 +94,7 @@ def run_random_scenarios(
         law: the law, or its name, with its default gains.
         first_seed: seed of the first scenario; the others have the seeds after it.
         duration: simulated time of each run [s].
-        progress: is told the fraction done.
+        progress: called with the fraction done.
     """
     if isinstance(law, str):
         law = CONTROLLERS[checks.choice("law", law, [*CONTROLLERS])]
