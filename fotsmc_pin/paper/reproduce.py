@@ -24,13 +24,13 @@ RUNS_SHARE, CONTEST_SHARE = 0.3, 0.6
 
 
 def reproduce(folder: Path, report: Callable[[float], None]) -> list[Verdict]:
-    """Run the case and the comparison, and write what they came to.
+    """Run the case and the comparison, and write the results.
 
     `run.npz`, the figures, `metrics.json`, `claims.md`, `comparison.md` and `two_link.html`.
 
     Args:
         folder: where the files go; it must exist.
-        report: told the fraction done.
+        report: called with the fraction done.
 
     Returns:
         The verdicts on the paper's claims.
