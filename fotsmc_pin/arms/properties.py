@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
     from fotsmc_pin.arms.tree import Joint, UrdfTree
 
-# The parser behind Pinocchio refuses "inf"; a bound beyond any machine stands for it.
+# The parser behind Pinocchio refuses "inf"; a bound beyond any machine replaces it.
 UNBOUNDED = 1e300
 
 
