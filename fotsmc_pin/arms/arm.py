@@ -35,7 +35,7 @@ class Arm(JointNumbers):
     """A robot arm: `M(q) a + C(q, v) v + G(q) = τ`.
 
     Make one with `load_arm` or `perturb`. An arm never changes. It is its URDF: everything else
-    follows from that text. Two arms are equal when all that is listed below is, and an arm travels
+    follows from that text. Two arms are equal when all that is listed below is, and an arm goes
     to another process or into a file as text (`to_dict`, pickle).
 
     The terms include the armature (the motors' inertia seen from the joint). They leave out joint
@@ -73,11 +73,11 @@ class Arm(JointNumbers):
         return f"Arm({self.name!r}, nq={self.nq}, nv={self.nv}, tool_frame={self.tool_frame!r})"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Travel as text: Pinocchio's objects are rebuilt on arrival."""
+        """Pickle as text: Pinocchio's objects are rebuilt when it is loaded."""
         return Arm.from_dict, (self.to_dict(),)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return all that rebuilds the arm, ready for JSON."""
+        """Return what `from_dict` needs to rebuild the arm, ready for JSON."""
         return {
             "urdf": self.urdf,
             "name": self.name,

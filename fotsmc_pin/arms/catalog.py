@@ -1,4 +1,4 @@
-"""Arms that go by a name: those bundled here, in example-robot-data, in robot_descriptions."""
+"""The arms known by name: those bundled here, in example-robot-data, in robot_descriptions."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ EXAMPLE_ROBOTS = {
 
 @dataclass(frozen=True, kw_only=True)
 class Source:
-    """Where an arm's URDF lies.
+    """Where an arm's URDF is.
 
     Attributes:
         path: the file.
@@ -53,7 +53,7 @@ class Source:
 
 
 def find_source(source: str | Path) -> Source:
-    """Return where an arm lies: a path first, then the names.
+    """Return where an arm's URDF is: a path is tried first, then the names.
 
     Raises:
         ArmNotFoundError: no such file and no such name.

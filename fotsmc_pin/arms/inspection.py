@@ -1,4 +1,4 @@
-"""`inspect_arm`: what was understood of a URDF, what it can carry, and what looks wrong."""
+"""`inspect_arm`: the properties of an arm, what it can carry, and what looks wrong."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Inspection:
-    """What an arm turned out to be, over random configurations inside its limits.
+    """Properties of an arm, over random configurations inside its limits.
 
     Attributes:
         arm: the arm.
@@ -85,7 +85,7 @@ def _payload(arm: Arm, configurations: list[Array], gravity: Array) -> float:
         )
         per_kilogram = -jacobian[:3].T @ arm.model.gravity.linear
         heavier = np.abs(per_kilogram) > 1e-9
-        # The load grows towards the limit that lies in its direction.
+        # The load grows towards the limit in its direction.
         margin = arm.effort_limit - np.sign(per_kilogram) * load
         least = min(least, np.min(margin[heavier] / np.abs(per_kilogram[heavier]), initial=np.inf))
     return max(0.0, float(least))

@@ -53,7 +53,7 @@ def load_arm(
     A limit of 0 or inf in the file means "not given". Meshes are not touched.
 
     Numbers per joint may be a scalar, a vector in the order of `Arm.joint_names`, or a mapping
-    from joint names or patterns (`{"wrist_*": 0.02}`); they stand in for the file's.
+    from joint names or patterns (`{"wrist_*": 0.02}`); they replace the file's.
 
     Args:
         source: path of a URDF; or the name of a bundled arm ("two_link", "two_link_true"), of one

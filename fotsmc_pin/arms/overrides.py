@@ -1,4 +1,4 @@
-"""Numbers per joint that stand in for the file's: limits, friction, damping, armature."""
+"""Numbers per joint that replace the file's: limits, friction, damping, armature."""
 
 from __future__ import annotations
 

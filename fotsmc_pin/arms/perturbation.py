@@ -50,8 +50,8 @@ def perturb(
     one seed always draws the same arm. A mapping from names or patterns
     (`{"*_link7": 1.5}`) changes only what it names.
 
-    The inertias of the result can belong to real bodies: where the original's break the triangle
-    inequality, they are raised to the nearest ones that obey it, and `Arm.changes` says so.
+    The inertias of the result are physically possible: where the original's violate the triangle
+    inequality, they are raised to the nearest ones that satisfy it, and `Arm.changes` says so.
     `Arm.write_urdf` writes the result as a URDF of its own.
 
     Args:

@@ -24,7 +24,7 @@ NOTED = {
     "joint_damping": 0.0,
 }
 
-# The parser behind Pinocchio refuses "inf"; a bound beyond any machine stands for it.
+# The parser behind Pinocchio refuses "inf"; a bound beyond any machine replaces it.
 UNBOUNDED = 1e300
 
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from fotsmc_pin.arms.tree import UrdfTree
 
-# Names and patterns that makers give to the frame at the tool, best first.
+# Names and patterns that manufacturers give to the frame at the tool, best first.
 TOOL_FRAMES = (
     "tool0",
     "tcp",

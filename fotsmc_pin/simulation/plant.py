@@ -52,7 +52,7 @@ class Plant:
     Torque is held between ticks (zero-order hold); the disturbance is evaluated at every stage
     of the integrator.
 
-    Friction is explicit in "rk4": Coulomb friction passes through zero over a narrow band of
+    Friction is explicit in "rk4": Coulomb friction changes sign over a narrow band of
     speed, 1e-3 wide or as wide as keeps one integration step from overshooting a standstill, and
     strong damping of a light joint requires short steps (`h D / M < 2`). In "semi-implicit" both
     are implicit: joints stick and slip, and any step is stable.

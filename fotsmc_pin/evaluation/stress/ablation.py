@@ -38,7 +38,7 @@ def ablate(
     """Run each of `VARIANTS` in a scenario.
 
     Args:
-        run: `(controller, label) -> row`: runs the scenario and judges the run.
+        run: `(controller, label) -> row`: runs the scenario and returns its row.
         arm: the nominal arm.
         dt: period of a tick [s].
         progress: True shows a bar on standard error; a callable is told the fraction done.

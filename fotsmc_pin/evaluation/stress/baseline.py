@@ -20,9 +20,9 @@ SEARCH_SPACE = {
     "kd": Span(low=3.0, high=1e3, logarithmic=True),
     "ki": Span(low=1.0, high=1e7, logarithmic=True),
 }
-"""Where the gains of the PID are looked for: three to seven decades each."""
+"""Search space of the PID's gains: two and a half to seven decades each."""
 STEEPNESS = 4
-"""Power with which torque variation beyond its bound counts against a set of gains."""
+"""Exponent with which torque variation beyond its bound, as a ratio, multiplies the cost."""
 PENALTY = 10.0
 """Cost of a run that diverged [rad]."""
 
@@ -38,10 +38,11 @@ def best_pid(
 ) -> tuple[StressRow, dict[str, float]]:
     """Search the PID gains with the smallest tail RMS error on the scenario itself.
 
-    The PID is tuned to the very run that it is judged by, noise and all; its competitor is not.
+    The PID is tuned on the very run that it is judged by, including the noise; its competitor is
+    not.
 
     Args:
-        scenario: what the PID is judged by.
+        scenario: the run that the PID is tuned on and judged by.
         trials: how many sets of gains are tried, the law's own PID preset first.
         seed: of the search.
         duration: simulated time of each run [s].

@@ -26,7 +26,7 @@ DURATION = 4.0
 
 @dataclass(frozen=True, kw_only=True)
 class SeededRow:
-    """The result in a random scenario, and the seed that makes the scenario again.
+    """The result in a random scenario, and the seed that reproduces the scenario.
 
     Attributes:
         seed: of `random_scenario`.

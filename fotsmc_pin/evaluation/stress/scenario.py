@@ -1,4 +1,4 @@
-"""`Scenario`: a nominal arm, the true arm that differs from it, and all that makes the run hard."""
+"""`Scenario`: a nominal arm, the true arm that differs from it, start, noise and delay of a run."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Scenario:
         q0: configuration at the start (nq,); the arm starts at rest.
         position_noise: standard deviation [rad, m].
         velocity_noise: standard deviation [rad/s, m/s].
-        delay: ticks that the torque comes late.
+        delay: of the torque, in ticks.
         seed: of the noise.
     """
 
@@ -66,7 +66,7 @@ class Scenario:
             duration: simulated time [s].
 
         Raises:
-            DivergenceError: a joint left every reasonable bound.
+            DivergenceError: a joint's speed exceeded every reasonable bound.
         """
         return simulate(
             self.true,

@@ -1,4 +1,4 @@
-"""`stress`: controllers times arms, in the one scenario that is hard on all of them."""
+"""`stress`: every controller on every arm, in the scenario that is hard on all of them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     Maker: TypeAlias = Callable[[Arm, float], Controller]
 
 PREFERRED_PRESETS = ("practical", "pid", "boundary_layer")
-"""Presets for use on an arm, where a law has one; the first preset of a law is its printed form."""
+"""Presets for practical use, the first that a law has; its first preset is its printed form."""
 
 
 def stress(
@@ -35,8 +35,8 @@ def stress(
 
     Args:
         arms: arms, or what `load_arm` takes.
-        controllers: names of laws, or makers `(arm, dt) -> Controller` by label; all laws by
-            default. A law by name runs with its preset for practice, or its default gains.
+        controllers: names of laws, or functions `(arm, dt) -> Controller` by label; all laws by
+            default. A named law runs with its preset for practical use, or its default gains.
         duration: simulated time of each run [s]; the last half is the tail.
         seed: of the noise.
         progress: True shows a bar on standard error; a callable is told the fraction done.
@@ -75,6 +75,6 @@ def _makers(controllers: Iterable[str] | Mapping[str, Maker] | None) -> dict[str
 
 
 def law_maker(law: type[Controller]) -> Maker:
-    """Return what makes a controller of `law` with its preset for practice."""
+    """Return a function that makes a controller of `law` with its preset for practical use."""
     preset = next((name for name in PREFERRED_PRESETS if name in law.presets), None)
     return lambda arm, dt: law(arm, dt, preset=preset)

@@ -1,4 +1,4 @@
-"""One line of the suite per run, and the table that they make."""
+"""One row for each run of the suite, and the table of all rows."""
 
 from __future__ import annotations
 
@@ -17,23 +17,23 @@ if TYPE_CHECKING:
     from fotsmc_pin.simulation import Recording
 
 INFINITE = float("inf")
-LOST = 0.5
-"""Tail RMS error from which a run counts as diverged though its speeds stayed bounded [rad]."""
+FAILED_ERROR = 0.5
+"""Tail RMS error above which a run counts as diverged though its speeds stayed bounded [rad]."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class StressRow:
-    """What a run of the suite came to; the tail is the last half of the run.
+    """Metrics of a run of the suite; the tail is the last half of the run.
 
     Attributes:
         arm: name of the arm.
         controller: name of the controller, with what was changed in it.
         tail_rms_error: RMS of the norm of the error in the tail [rad].
         max_tail_error: largest norm of the error in the tail [rad].
-        settling_time: to 10 mrad for good [s].
+        settling_time: time after which the error stays below 10 mrad [s].
         torque_variation: in the tail [N·m/s].
         saturation_fraction: share of ticks at which some joint is at its effort limit.
-        diverged: a joint left every bound, or the tail RMS error is above 0.5 rad.
+        diverged: a joint's speed exceeded every bound, or the tail RMS error is above 0.5 rad.
     """
 
     arm: str
@@ -51,7 +51,7 @@ class StressRow:
 
 
 def run_row(scenario: Scenario, controller: Controller, label: str, duration: float) -> StressRow:
-    """Run a controller in a scenario and judge it; a divergence is a result too."""
+    """Return the row of a controller in a scenario; a divergence is a result too."""
     try:
         rec = scenario.run(controller, duration)
     except DivergenceError:
@@ -70,7 +70,7 @@ def judge(rec: Recording, arm: str, label: str) -> StressRow:
         settling_time=summary.settling_time,
         torque_variation=summary.tail_torque_variation,
         saturation_fraction=summary.saturation_fraction,
-        diverged=summary.tail_rms_error > LOST,
+        diverged=summary.tail_rms_error > FAILED_ERROR,
     )
 
 
