@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import math
 from typing import TYPE_CHECKING
 
@@ -10,7 +11,7 @@ import numpy as np
 from fotsmc_pin.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
     from numpy.typing import ArrayLike
 
@@ -104,7 +105,15 @@ def per_joint(
 
 
 def choice(name: str, value: str, known: Sequence[str]) -> str:
-    """Return `value` if it is one of the known words."""
+    """Return `value` if it is one of the known words; the nearest one stands in the message."""
     if value not in known:
-        raise ArgumentError(name, value, f"choose one of {', '.join(known)}")
+        hint = did_you_mean(value, known)
+        raise ArgumentError(name, value, f"{hint}choose one of {', '.join(known)}")
     return value
+
+
+def did_you_mean(value: object, known: Iterable[str]) -> str:
+    """Return a question that names the known word nearest to `value`, empty if none is near."""
+    lower = {word.lower(): word for word in known}
+    near = difflib.get_close_matches(str(value).lower(), lower, 1)
+    return f"did you mean {lower[near[0]]}? " if near else ""

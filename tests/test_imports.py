@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1] / "fotsmc_pin"
-GROUND = {"errors", "checks", "compiled", "files", "types"}
+GROUND = {"errors", "checks", "compiled", "copying", "files", "types", "user_warnings"}
 
 LARGEST_TOP_LEVEL = 14
 """So many packages can be read at a glance."""

@@ -251,6 +251,14 @@ class Arm:
         high = np.where(np.isfinite(upper), upper, np.where(np.isfinite(lower), lower, 0.0) + span)
         return self.from_joint_positions(rng.uniform(low, high))
 
+    def tool_pose(self, q: ArrayLike) -> pin.SE3:
+        """Return where the tool frame is at `q`, in the frame of the world.
+
+        `.translation` (3,) [m] is its origin, `.rotation` (3, 3) has its axes as columns.
+        """
+        pin.framesForwardKinematics(self.model, self._data, self._configuration(q))
+        return self._data.oMf[self.tool_frame_id].copy()
+
     # Looks and files
 
     def write_urdf(self, path: str | PathLike[str]) -> Path:

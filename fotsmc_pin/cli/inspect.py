@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from fotsmc_pin.cli.arm_options import ArmName, ArmOptions
+from fotsmc_pin.cli.groups import with_groups
 from fotsmc_pin.cli.output import plain_console
 
 if TYPE_CHECKING:
@@ -17,24 +18,17 @@ if TYPE_CHECKING:
     from fotsmc_pin.arms import Inspection
 
 
+@with_groups
 def inspect_command(
-    file: Annotated[str, typer.Argument(help="A URDF file, or a name that `fotsmc arms` lists.")],
-    lock: Annotated[
-        list[str] | None, typer.Option(help="Joint to fix, name or pattern; may be repeated.")
-    ] = None,
-    keep: Annotated[
-        list[str] | None, typer.Option(help="Only joint to leave free; may be repeated.")
-    ] = None,
-    package_dir: Annotated[
-        list[Path] | None, typer.Option(help="Where package:// begins; may be repeated.")
-    ] = None,
+    file: ArmName,
+    arm_options: ArmOptions,
     samples: Annotated[int, typer.Option(help="Number of random configurations.")] = 200,
     seed: Annotated[int, typer.Option(help="Where they are drawn from.")] = 0,
 ) -> None:
     """Say what was understood of a URDF: joints, limits, loads, and what looks wrong."""
-    from fotsmc_pin.arms import inspect_arm, load_arm
+    from fotsmc_pin.arms import inspect_arm
 
-    arm = load_arm(file, lock=lock or None, keep=keep or None, package_dirs=package_dir or ())
+    arm = arm_options.load(file)
     found = inspect_arm(arm, samples=samples, seed=seed)
     console = plain_console()
     console.print(_joints(found))

@@ -15,6 +15,7 @@ from fotsmc_pin import checks
 from fotsmc_pin.arms import Arm
 from fotsmc_pin.compiled import restricted, specialized
 from fotsmc_pin.control.arguments import cleaned_arguments, read_arguments
+from fotsmc_pin.control.conditions import warn_of_gravity, warn_of_slow_ticks
 from fotsmc_pin.control.declaration import check_declaration
 from fotsmc_pin.control.gains import Gains
 from fotsmc_pin.control.rows import NoRows, new_table, rows, signal_views
@@ -129,6 +130,8 @@ class Controller(SharesNothing, ABC, Generic[G]):
 
     def review(self) -> None:
         """Warn of what the arm or the gains make impossible; called once, when both stand."""
+        warn_of_gravity(self.arm, self)
+        warn_of_slow_ticks(self.gains, self.dt, self)
 
     def start(self) -> None:
         """Fill in what the memory starts from, where that is not zero; called by `reset`."""

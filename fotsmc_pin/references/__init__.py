@@ -6,7 +6,7 @@ arrays. Any other callable of this kind will do as well.
 
 from fotsmc_pin.references.cartesian_line import CartesianLine
 from fotsmc_pin.references.hold import Hold
-from fotsmc_pin.references.limits import broken_limits
+from fotsmc_pin.references.limits import ReferenceWarning, broken_limits, warn_of_limits
 from fotsmc_pin.references.minimum_jerk import MinimumJerk
 from fotsmc_pin.references.path import JointPath
 from fotsmc_pin.references.quintic import Quintic
@@ -19,7 +19,9 @@ __all__ = [
     "JointPath",
     "MinimumJerk",
     "Quintic",
+    "ReferenceWarning",
     "Sinusoid",
     "Spline",
     "broken_limits",
+    "warn_of_limits",
 ]

@@ -12,6 +12,8 @@ import numpy as np
 
 from fotsmc_pin import checks
 from fotsmc_pin.errors import ArgumentError, DivergenceError
+from fotsmc_pin.simulation.interrupt import kept_on_interrupt
+from fotsmc_pin.simulation.memory import demand_memory
 from fotsmc_pin.simulation.plant import Plant
 from fotsmc_pin.simulation.progress import reporting
 from fotsmc_pin.simulation.recorder import Recorder
@@ -99,10 +101,12 @@ def simulate(
     Raises:
         ArgumentError: an argument is unusable.
         DivergenceError: a joint left every reasonable bound; it carries the recording so far.
+        RunInterrupted: Ctrl-C; a `KeyboardInterrupt` that carries the recording so far.
     """
     dt = checks.finite_number("controller.dt", controller.dt, above=0.0)
     duration = checks.finite_number("duration", duration, at_least=dt)
     stride = checks.count("record_every", record_every)
+    demand_memory(arm, duration, dt, stride)
     q_start, v_start, _ = _checked_reference(arm, reference)
     plant = Plant(
         arm,
@@ -128,7 +132,7 @@ def simulate(
         took = time.perf_counter() - started
         return recorder.recording(_metadata(controller, reference, options, took))
 
-    with reporting(progress, "simulating") as report:
+    with reporting(progress, "simulating") as report, kept_on_interrupt(recording):
         for first in range(0, ticks, CHUNK):
             report(first / ticks)
             instants = clock[first : min(first + CHUNK, ticks)]

@@ -56,7 +56,7 @@ class ClosedLoop:
     """
 
     arm: Arm | str
-    controller: str = "AdaptiveFONFTSM"
+    controller: str = "RobustFONFTSM"
     preset: str | None = None
     gains: Mapping[str, Any] = field(default_factory=dict)
     dt: float = 1e-3

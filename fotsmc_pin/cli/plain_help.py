@@ -1,0 +1,31 @@
+"""Commands whose help shows its text as it is: brackets hold units, and are no markup."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rich.markup import escape
+from typer.core import TyperCommand, TyperGroup
+
+
+class PlainCommand(TyperCommand):
+    """A command that keeps `[m]` in the help of its options."""
+
+    def __init__(self, *args: Any, **options: Any) -> None:
+        super().__init__(*args, **options)
+        _escape(self)
+
+
+class PlainGroup(TyperGroup):
+    """A group of commands that does."""
+
+    def __init__(self, *args: Any, **options: Any) -> None:
+        super().__init__(*args, **options)
+        _escape(self)
+
+
+def _escape(command: TyperCommand | TyperGroup) -> None:
+    for parameter in command.params:
+        text = getattr(parameter, "help", None)
+        if text:
+            parameter.help = escape(text)  # type: ignore[attr-defined]
