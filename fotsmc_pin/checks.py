@@ -18,6 +18,16 @@ if TYPE_CHECKING:
     from fotsmc_pin.types import Array
 
 
+def instance(name: str, value: object, kind: type | tuple[type, ...], remedy: str) -> None:
+    """Demand that `value` is of a kind.
+
+    Raises:
+        ArgumentError: naming the argument, its value and the remedy.
+    """
+    if not isinstance(value, kind):
+        raise ArgumentError(name, value, remedy)
+
+
 def finite_number(
     name: str,
     value: float,

@@ -11,9 +11,9 @@ from scipy.integrate import trapezoid
 
 from fotsmc_pin import checks
 from fotsmc_pin.analysis.rest import swings, time_to_rest
+from fotsmc_pin.simulation import Recording
 
 if TYPE_CHECKING:
-    from fotsmc_pin.simulation import Recording
     from fotsmc_pin.types import Array
 
 
@@ -111,6 +111,9 @@ class Summary:
 
 def summarize(rec: Recording) -> Summary:
     """Judge a run; `Summary` defines every metric."""
+    checks.instance(
+        "rec", rec, (Recording, _Part), "give a recording, as simulate or Recording.load returns it"
+    )
     t, error, tau = rec.t, rec.error_norm, rec.tau
     tail = t >= t[0] + 0.5 * (t[-1] - t[0])
     limited = np.abs(tau) >= AT_LIMIT * rec.arm.effort_limit

@@ -9,7 +9,7 @@ import typer
 
 from fotsmc_pin.cli.arm_options import ArmName, ArmOptions
 from fotsmc_pin.cli.groups import with_groups
-from fotsmc_pin.cli.output import plain_console
+from fotsmc_pin.cli.output import plain_console, plain_table
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -67,10 +67,8 @@ def _facts(found: Inspection) -> list[str]:
 
 def _joints(found: Inspection) -> Table:
     """Joints and their limits, each with where it comes from."""
-    from rich.table import Table
-
     arm = found.arm
-    table = Table(title=f"{arm.name}: limits as the file gives them", title_justify="left")
+    table = plain_table(f"{arm.name}: limits as the file gives them")
     table.add_column("joint", no_wrap=True)
     table.add_column("type")
     for heading in ("position", "velocity", "effort"):
@@ -94,10 +92,8 @@ def _joints(found: Inspection) -> Table:
 
 def _loads(found: Inspection) -> Table:
     """Loads, inertias and friction of the joints."""
-    from rich.table import Table
-
     arm = found.arm
-    table = Table(title="Loads over random configurations", title_justify="left")
+    table = plain_table("Loads over random configurations")
     table.add_column("joint", no_wrap=True)
     for heading in ("gravity", "of the limit", "inertia", "armature", "friction", "damping"):
         table.add_column(heading, justify="right")

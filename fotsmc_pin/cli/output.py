@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from rich.console import Console
+    from rich.table import Table
 
 UsageError: type[typer.BadParameter] = typer.BadParameter.__bases__[0]
 """What Typer raises of a command line that cannot be understood."""
@@ -126,14 +127,20 @@ def say_error(text: str) -> None:
     print(f"fotsmc: {' '.join(text.split())}", file=sys.stderr)  # noqa: T201
 
 
-def show_table(title: str, rows: Sequence[tuple[str, str]]) -> None:
-    """Print rows of a name and a value under a title; a narrow terminal wraps, and cuts nothing."""
+def plain_table(title: str) -> Table:
+    """Return an empty table that spends its width on what it says."""
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
 
-    table = Table(
-        title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False, show_header=False
+    return Table(
+        title=title, title_justify="left", box=SIMPLE_HEAD, collapse_padding=True, pad_edge=False
     )
+
+
+def show_table(title: str, rows: Sequence[tuple[str, str]]) -> None:
+    """Print rows of a name and a value under a title; a narrow terminal wraps, and cuts nothing."""
+    table = plain_table(title)
+    table.show_header = False
     table.add_column(no_wrap=True)
     table.add_column(overflow="fold")
     for row in rows:
@@ -148,6 +155,8 @@ def progress_bar(title: str) -> Iterator[Callable[[float], None]]:
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
     columns = (TextColumn("{task.description}", markup=False), BarColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+    screen = Console(stderr=True)
+    shown = screen.is_terminal
+    with Progress(*columns, console=screen, transient=True, disable=not shown) as bar:
         task = bar.add_task(title, total=1.0)
         yield lambda fraction: bar.update(task, completed=fraction)

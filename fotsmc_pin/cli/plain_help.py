@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+import typer
 from rich.markup import escape
 from typer.core import TyperCommand, TyperGroup
+
+from fotsmc_pin.cli.output import INTERRUPTED, say_error
 
 
 class PlainCommand(TyperCommand):
@@ -14,6 +17,14 @@ class PlainCommand(TyperCommand):
     def __init__(self, *args: Any, **options: Any) -> None:
         super().__init__(*args, **options)
         _escape(self)
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command; Ctrl-C ends it in one line."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            say_error("interrupted")
+            raise typer.Exit(INTERRUPTED) from None
 
 
 class PlainGroup(TyperGroup):

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from fotsmc_pin.cli.output import Force, plain_console, progress_bar, result_folder
+from fotsmc_pin.cli.output import Force, plain_console, plain_table, progress_bar, result_folder
 
 
 def reproduce(
@@ -15,15 +15,13 @@ def reproduce(
     force: Force = False,
 ) -> None:
     """Run the paper's two-link case and judge its claims."""
-    from rich.table import Table
-
     from fotsmc_pin.paper.reproduce import reproduce as run_the_paper
 
     folder = result_folder(out, force=force)
     with progress_bar("the two-link case") as report:
         verdicts = run_the_paper(folder, report)
 
-    table = Table(title="The paper's claims", title_justify="left")
+    table = plain_table("The paper's claims")
     for column in ("where", "claim", "holds"):
         table.add_column(column)
     for verdict in verdicts:

@@ -133,7 +133,8 @@ def simulate(
         rec = simulated()
     except DivergenceError as error:
         error.recording.save(folder / "run.npz")
-        raise
+        say_error(f"{error}. The run up to there is kept in {folder / 'run.npz'}")
+        raise typer.Exit(2) from None
     except RunInterrupted as stop:
         stopped = stop.recording
         if not len(stopped):

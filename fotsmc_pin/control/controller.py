@@ -12,7 +12,7 @@ import pinocchio as pin
 from typing_extensions import TypeVar
 
 from fotsmc_pin import checks
-from fotsmc_pin.arms import Arm
+from fotsmc_pin.arms import Arm, demand_arm
 from fotsmc_pin.compiled import restricted, specialized
 from fotsmc_pin.control.arguments import cleaned_arguments, read_arguments
 from fotsmc_pin.control.conditions import warn_of_gravity, warn_of_slow_ticks
@@ -21,7 +21,7 @@ from fotsmc_pin.control.gains import Gains
 from fotsmc_pin.control.rows import NoRows, new_table, rows, signal_views
 from fotsmc_pin.control.saved_state import restore, saved
 from fotsmc_pin.copying import SharesNothing
-from fotsmc_pin.errors import ArgumentError, MeasurementError
+from fotsmc_pin.errors import MeasurementError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -112,8 +112,7 @@ class Controller(SharesNothing, ABC, Generic[G]):
         Raises:
             ArgumentError: naming the argument, its value and the remedy.
         """
-        if not isinstance(arm, Arm):
-            raise ArgumentError("arm", arm, "give an arm, as load_arm returns it")
+        demand_arm(arm)
         self.arm = arm
         self.dt = checks.finite_number("dt", dt, above=0.0)
         self.preset = checks.choice("preset", preset or next(iter(self.presets)), [*self.presets])

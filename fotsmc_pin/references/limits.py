@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fotsmc_pin.arms import demand_arm
 from fotsmc_pin.checks import count, finite_number
 from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.user_warnings import warn_user
@@ -62,6 +63,7 @@ def broken_limits(
     Raises:
         ArgumentError: a duration is needed and none is given.
     """
+    demand_arm(arm)
     if duration is None:
         duration = getattr(reference, "duration", None)
     if duration is None or not np.isfinite(duration):

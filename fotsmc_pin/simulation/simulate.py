@@ -6,11 +6,12 @@ import platform
 import time
 from functools import cache
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import numpy as np
 
 from fotsmc_pin import checks
+from fotsmc_pin.arms import demand_arm
 from fotsmc_pin.errors import ArgumentError, DivergenceError
 from fotsmc_pin.simulation.interrupt import kept_on_interrupt
 from fotsmc_pin.simulation.memory import demand_memory
@@ -33,6 +34,7 @@ CHUNK = 256
 """Ticks whose reference is evaluated at once."""
 
 
+@runtime_checkable
 class Law(Protocol):
     """All that the simulation knows of a controller."""
 
@@ -103,6 +105,8 @@ def simulate(
         DivergenceError: a joint left every reasonable bound; it carries the recording so far.
         RunInterrupted: Ctrl-C; a `KeyboardInterrupt` that carries the recording so far.
     """
+    demand_arm(arm)
+    checks.instance("controller", controller, Law, "give a controller, as a law's class makes it")
     dt = checks.finite_number("controller.dt", controller.dt, above=0.0)
     duration = checks.finite_number("duration", duration, at_least=dt)
     stride = checks.count("record_every", record_every)
