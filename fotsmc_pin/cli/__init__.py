@@ -60,7 +60,7 @@ def main() -> None:
     try:
         sys.exit(app(prog_name="fotsmc", standalone_mode=False))
     except UsageError as error:
-        say_error(f"{error.format_message()} See: {_command(error)} --help")
+        say_error(f"{_mistake(error)} See: {_command(error)} --help")
         sys.exit(error.exit_code)
     except FotsmcError as error:
         say_error(str(error))
@@ -75,6 +75,15 @@ def main() -> None:
     except (KeyboardInterrupt, typer.Abort):
         say_error("interrupted")
         sys.exit(INTERRUPTED)
+
+
+def _mistake(error: typer.BadParameter) -> str:
+    """Return what is wrong with a command line, in the words that this library has for it."""
+    near = getattr(error, "possibilities", None)
+    option = getattr(error, "option_name", None)
+    if option is None:
+        return error.format_message().replace("Value error, ", "")
+    return f"No such option: {option}." + (f" Did you mean {near[0]}?" if near else "")
 
 
 def _command(error: typer.BadParameter) -> str:

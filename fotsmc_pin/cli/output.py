@@ -133,7 +133,12 @@ def plain_table(title: str) -> Table:
     from rich.table import Table
 
     return Table(
-        title=title, title_justify="left", box=SIMPLE_HEAD, collapse_padding=True, pad_edge=False
+        title=title,
+        title_justify="left",
+        box=SIMPLE_HEAD,
+        collapse_padding=True,
+        pad_edge=False,
+        min_width=min(len(title), plain_console().width),  # A title is no wider than its table.
     )
 
 

@@ -9,6 +9,7 @@ from rich.markup import escape
 from typer.core import TyperCommand, TyperGroup
 
 from fotsmc_pin.cli.output import INTERRUPTED, say_error
+from fotsmc_pin.errors import ArgumentError
 
 
 class PlainCommand(TyperCommand):
@@ -19,9 +20,15 @@ class PlainCommand(TyperCommand):
         _escape(self)
 
     def invoke(self, ctx: Any) -> Any:
-        """Run the command; Ctrl-C ends it in one line."""
+        """Run the command; Ctrl-C ends it in one line, and errors speak of options as typed."""
         try:
             return super().invoke(ctx)
+        except ArgumentError as error:
+            options = {parameter.name: parameter.opts[0] for parameter in self.params}
+            typed = options.get(error.argument, "")
+            if not typed.startswith("--"):
+                raise
+            raise ArgumentError(typed, error.value, error.remedy) from error
         except KeyboardInterrupt:
             say_error("interrupted")
             raise typer.Exit(INTERRUPTED) from None

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from fotsmc_pin.cli.output import file_name, show_table
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
     from pathlib import Path
 
     from fotsmc_pin.analysis import Summary
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 SMALL = {"rad": "mrad", "m": "mm"}
 EFFORT = {"rad": "N·m", "m": "N"}
-WHAT = {"rad": "torque", "m": "force"}
+KIND = {"rad": "turning:", "m": "sliding:"}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -59,9 +60,7 @@ def keep_results(rec: Recording, told: Told, folder: Path) -> Path:
     plot(rec, folder / "run.png")
     page = folder / f"{file_name(told.nominal.name)}.html"
     export_html(rec, page)
-    rows = [*_run_rows(rec, told)]
-    for unit, part in by_unit.items():
-        rows += _metric_rows(rec, part, unit, alone=len(by_unit) == 1)
+    rows = [*_run_rows(rec, told), *_metric_rows(rec, by_unit)]
     rows.append(
         (
             "tool error, last half",
@@ -78,10 +77,11 @@ def keep_results(rec: Recording, told: Told, folder: Path) -> Path:
 def _run_rows(rec: Recording, told: Told) -> list[tuple[str, str]]:
     controller = told.controller
     changes = [*rec.arm.changes] if told.true is None else [told.true, *rec.arm.changes]
+    unit = ", ".join(dict.fromkeys(rec.arm.position_units))
     conditions = [
-        f"start error {told.start_error:g}" if told.start_error else "",
+        f"start error {told.start_error:g} {unit}" if told.start_error else "",
         f"disturbance {told.disturbance}" if told.disturbance != "none" else "",
-        f"noise {told.noise:g}" if told.noise else "",
+        f"noise {told.noise:g} {unit}" if told.noise else "",
         f"delay {told.delay} {'tick' if told.delay == 1 else 'ticks'}" if told.delay else "",
     ]
     seconds, tick = rec.t[-1] - rec.t[0], 1e3 * controller.dt
@@ -91,31 +91,51 @@ def _run_rows(rec: Recording, told: Told) -> list[tuple[str, str]]:
         ("nominal arm", f"{told.nominal.name}, {told.nominal.nv} joints"),
         ("true arm", "; ".join(changes) or "as the nominal arm"),
     ]
-    shown = ", ".join(filter(None, conditions))
+    shown = "; ".join(filter(None, conditions))
     return [*rows, ("conditions", shown)] if shown else rows
 
 
-def _metric_rows(
-    rec: Recording, summary: Summary, unit: str, *, alone: bool
-) -> list[tuple[str, str]]:
+def _metric_rows(rec: Recording, by_unit: Mapping[str, Summary]) -> list[tuple[str, str]]:
+    """Return the metrics; of an arm whose joints turn and slide, a line for each kind."""
     from fotsmc_pin.analysis import reference_stop
 
-    small, effort, what = SMALL[unit], EFFORT[unit], WHAT[unit]
-    of = "" if alone else {"rad": ", turning joints", "m": ", sliding joints"}[unit]
+    def lines(value: Callable[[str, Summary], str]) -> str:
+        return "\n".join(
+            (f"{KIND[unit]} " if len(by_unit) > 1 else "") + value(unit, summary)
+            for unit, summary in by_unit.items()
+        )
+
+    what = "torque" if "m" not in by_unit else "force" if "rad" not in by_unit else "effort"
     rows = [
-        (f"settles to 10 {small}{of}", _time(summary.settling_time)),
         (
-            f"error, last half{of}",
-            f"{1e3 * summary.tail_rms_error:.4g} {small} RMS, "
-            f"{1e3 * summary.max_tail_error:.4g} {small} at most",
+            f"settles to 10 {' or '.join(SMALL[unit] for unit in by_unit)}",
+            lines(lambda unit, summary: _time(summary.settling_time)),
         ),
-        (f"peak {what}{of}", f"{summary.peak_torque:.4g} {effort}"),
-        (f"{what} variation, last half{of}", f"{summary.tail_torque_variation:.4g} {effort}/s"),
+        (
+            "error, last half",
+            lines(
+                lambda unit, summary: (
+                    f"{1e3 * summary.tail_rms_error:.4g} {SMALL[unit]} RMS, "
+                    f"{1e3 * summary.max_tail_error:.4g} {SMALL[unit]} at most"
+                )
+            ),
+        ),
+        (
+            f"peak {what}",
+            lines(lambda unit, summary: f"{summary.peak_torque:.4g} {EFFORT[unit]}"),
+        ),
+        (
+            f"{what} variation, last half",
+            lines(lambda unit, summary: f"{summary.tail_torque_variation:.4g} {EFFORT[unit]}/s"),
+        ),
     ]
     if reference_stop(rec) is not None:
         rows += [
-            (f"swing at rest{of}", f"{1e3 * summary.swing:.4g} {small}, largest of a joint"),
-            (f"time to rest{of}", _time(summary.time_to_rest)),
+            (
+                "largest swing at rest",
+                lines(lambda unit, summary: f"{1e3 * summary.swing:.4g} {SMALL[unit]}"),
+            ),
+            ("time to rest", lines(lambda unit, summary: _time(summary.time_to_rest))),
         ]
     return rows
 
