@@ -1,18 +1,32 @@
 """Analysis: metrics of a run, and what theory predicts for a law."""
 
 from fotsmc_pin.analysis.bounds import reaching_time_bound, settling_time_bound
-from fotsmc_pin.analysis.metrics import Summary, settling_time, summarize
+from fotsmc_pin.analysis.metrics import (
+    Summary,
+    settling_time,
+    summarize,
+    summarize_by_unit,
+    units,
+)
+from fotsmc_pin.analysis.rest import reference_stop, swings, time_to_rest
 from fotsmc_pin.analysis.surface import sector_margin, surface_decay, surface_margin
+from fotsmc_pin.analysis.tool import tool_errors
 from fotsmc_pin.control.conditions import obeys_power_condition
 
 __all__ = [
     "Summary",
     "obeys_power_condition",
     "reaching_time_bound",
+    "reference_stop",
     "sector_margin",
     "settling_time",
     "settling_time_bound",
     "summarize",
+    "summarize_by_unit",
     "surface_decay",
     "surface_margin",
+    "swings",
+    "time_to_rest",
+    "tool_errors",
+    "units",
 ]

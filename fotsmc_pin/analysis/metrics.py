@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fotsmc_pin import checks
+from fotsmc_pin.analysis.rest import swings, time_to_rest
+from fotsmc_pin.simulation import Recording
 
 if TYPE_CHECKING:
-    from fotsmc_pin.simulation import Recording
     from fotsmc_pin.types import Array
 
 
@@ -34,17 +36,27 @@ UNITS = {
     "chattering": "–",
     "energy": "J",
     "saturation_fraction": "–",
+    "swing": "rad",
+    "time_to_rest": "s",
     "duration": "s",
 }
-"""Units of the metrics in a `Summary`, for an arm whose joints are all revolute."""
+"""Units of the metrics in a `Summary`, for joints that turn."""
+
+
+def units(position_unit: str) -> dict[str, str]:
+    """Return the units of the metrics for joints whose position is in "rad", or in "m"."""
+    if checks.choice("position_unit", position_unit, ("rad", "m")) == "rad":
+        return dict(UNITS)
+    return {name: unit.replace("rad", "m").replace("N·m", "N") for name, unit in UNITS.items()}
 
 
 @dataclass(frozen=True, kw_only=True)
 class Summary:
     """Metrics of a run. `‖e‖` is the Euclidean norm of the tracking error over all joints.
 
-    Units are those of an arm with revolute joints. Where some are prismatic, `‖e‖` adds up radians
-    and metres, and the torques newton-metres and newtons: compare such values on one arm only.
+    Units are those of joints that turn; for joints that slide, metres and newtons take the place of
+    radians and newton-metres. On an arm that has both, `summarize` adds them up, and such numbers
+    are for comparison on this arm only: `summarize_by_unit` keeps the kinds apart.
 
     Attributes:
         settling_time: first time after which `‖e‖` stays below 10 mrad [s]; inf if it never does.
@@ -64,6 +76,9 @@ class Summary:
         chattering: share of the torque's power (mean taken off, last half) above 20 Hz.
         energy: `∫ Σ |τ_j v_j| dt`, mechanical work done and absorbed [J].
         saturation_fraction: share of ticks at which some joint is at its effort limit.
+        swing: largest swing of a joint, once the reference rests (`rest.swings`) [rad].
+        time_to_rest: from the reference's last motion until no joint swings by more than 0.15 mrad
+            (`rest.time_to_rest`) [s]; inf if that is never, or the reference moves to the end.
         duration: time from the first to the last tick [s].
     """
 
@@ -84,6 +99,8 @@ class Summary:
     chattering: float
     energy: float
     saturation_fraction: float
+    swing: float
+    time_to_rest: float
     duration: float
 
     def as_dict(self) -> dict[str, float]:
@@ -92,7 +109,10 @@ class Summary:
 
 
 def summarize(rec: Recording) -> Summary:
-    """Return the metrics of a run; `Summary` defines each of them."""
+    """Judge a run; `Summary` defines every metric."""
+    checks.instance(
+        "rec", rec, (Recording, _Part), "give a recording, as simulate or Recording.load returns it"
+    )
     t, error, tau = rec.t, rec.error_norm, rec.tau
     tail = t >= t[0] + 0.5 * (t[-1] - t[0])
     limited = np.abs(tau) >= AT_LIMIT * rec.arm.effort_limit
@@ -114,8 +134,42 @@ def summarize(rec: Recording) -> Summary:
         chattering=power_above(t[tail], tau[tail], 20.0),
         energy=float(np.trapezoid(np.abs(tau * rec.v).sum(axis=1), t)),
         saturation_fraction=float(limited.any(axis=1).mean()),
+        swing=float(swings(rec).max()),
+        time_to_rest=time_to_rest(rec),
         duration=float(t[-1] - t[0]),
     )
+
+
+def summarize_by_unit(rec: Recording) -> dict[str, Summary]:
+    """Judge the joints that turn and those that slide apart.
+
+    Returns:
+        A summary for each kind of joint that the arm has, by the unit of its position: "rad", "m".
+        `units` gives the units of its metrics.
+    """
+    kinds = np.array(rec.arm.position_units)
+    found = dict.fromkeys(rec.arm.position_units)
+    return {unit: summarize(_only(rec, kinds == unit)) for unit in ("rad", "m") if unit in found}
+
+
+def _only(rec: Recording, joints: Array) -> Any:
+    """Return what `summarize` reads of a run, for some of the joints."""
+    return rec if joints.all() else _Part(rec, joints)
+
+
+class _Part:
+    """Some joints of a recording, as far as its metrics look at them."""
+
+    def __init__(self, rec: Recording, joints: Array) -> None:
+        self.t, self.arm = rec.t, SimpleNamespace(effort_limit=rec.arm.effort_limit[joints])
+        self.e, self.v, self.v_d, self.tau = (
+            part[:, joints] for part in (rec.e, rec.v, rec.v_d, rec.tau)
+        )
+        self.error_norm = np.linalg.norm(self.e, axis=1)
+
+    def __len__(self) -> int:
+        """Return the number of recorded ticks."""
+        return len(self.t)
 
 
 def settling_time(rec: Recording, bound: float) -> float:

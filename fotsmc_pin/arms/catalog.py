@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 
+from fotsmc_pin.checks import did_you_mean
 from fotsmc_pin.errors import ArmNotFoundError
 
 BUNDLED = {"two_link": "two_link_nominal.urdf", "two_link_true": "two_link_true.urdf"}
@@ -68,7 +69,8 @@ def find_source(source: str | Path) -> Source:
     found = _bundled(name) or _example_robot(name) or _robot_description(name)
     if found is None:
         raise ArmNotFoundError(
-            f"no arm is called {name!r}; known: {', '.join(known_names())}. "
+            f"no arm is called {name!r}; {did_you_mean(name, known_names())}known: "
+            + f"{', '.join(known_names())}. "
             + _missing_data_hint()
             + "A file is given by its path, such as ./my.urdf"
         )

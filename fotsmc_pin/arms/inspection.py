@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pinocchio as pin
 
+from fotsmc_pin.arms.demand import demand_arm
 from fotsmc_pin.arms.rotors import rotor_remark
 from fotsmc_pin.arms.suspicions import suspicions
 from fotsmc_pin.checks import count
@@ -56,6 +57,7 @@ def inspect_arm(arm: Arm, *, samples: int = 200, seed: int = 0) -> Inspection:
         samples: how many configurations.
         seed: where they are drawn from.
     """
+    demand_arm(arm)
     rng = np.random.default_rng(seed)
     configurations = [arm.random_configuration(rng) for _ in range(count("samples", samples))]
     gravity = np.array([arm.gravity(q) for q in configurations])

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, TypeAlias, cast
 
 import numpy as np
 
+from fotsmc_pin.arms.demand import demand_arm
 from fotsmc_pin.arms.inertia import read_inertia, write_inertia
 from fotsmc_pin.arms.markup import parse_urdf, urdf_text
 from fotsmc_pin.arms.overrides import PerJoint, check_property, joint_values
@@ -84,6 +85,7 @@ def perturb(
 
     Source: Spong, Journal of Dynamic Systems, Measurement, and Control, 1987 (elastic joints).
     """
+    demand_arm(arm)
     tree = UrdfTree(parse_urdf(arm.urdf, arm.name), arm.name)
     random = RandomNumbers(seed)
     changes = [

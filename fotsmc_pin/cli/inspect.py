@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fotsmc_pin.cli.output import plain_console
-from fotsmc_pin.errors import ArgumentError
+from fotsmc_pin.cli.arm_options import ArmName, ArmOptions
+from fotsmc_pin.cli.groups import with_groups
+from fotsmc_pin.cli.output import plain_console, plain_table
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -18,36 +18,17 @@ if TYPE_CHECKING:
     from fotsmc_pin.arms import Inspection
 
 
+@with_groups
 def inspect_command(
-    file: Annotated[str, typer.Argument(help="A URDF file, or a name that `fotsmc arms` lists.")],
-    lock: Annotated[
-        list[str] | None, typer.Option(help="Joint to fix, name or pattern; may be repeated.")
-    ] = None,
-    keep: Annotated[
-        list[str] | None, typer.Option(help="Only joint to leave free; may be repeated.")
-    ] = None,
-    package_dir: Annotated[
-        list[Path] | None, typer.Option(help="Where package:// begins; may be repeated.")
-    ] = None,
-    armature: Annotated[
-        str | None,
-        typer.Option(
-            help="Motor inertia of all joints; the word rotors estimates what is missing."
-        ),
-    ] = None,
+    file: ArmName,
+    arm_options: ArmOptions,
     samples: Annotated[int, typer.Option(help="Number of random configurations.")] = 200,
     seed: Annotated[int, typer.Option(help="Where they are drawn from.")] = 0,
 ) -> None:
     """Say what was understood of a URDF: joints, limits, loads, and what looks wrong."""
-    from fotsmc_pin.arms import inspect_arm, load_arm
+    from fotsmc_pin.arms import inspect_arm
 
-    arm = load_arm(
-        file,
-        lock=lock or None,
-        keep=keep or None,
-        package_dirs=package_dir or (),
-        armature=_armature(armature),
-    )
+    arm = arm_options.load(file)
     found = inspect_arm(arm, samples=samples, seed=seed)
     console = plain_console()
     console.print(_joints(found))
@@ -61,17 +42,6 @@ def inspect_command(
         _say(console, ["", "Looks wrong:", *(f"  {warning}" for warning in found.warnings)])
     else:
         _say(console, ["", "Nothing looks wrong."])
-
-
-def _armature(text: str | None) -> float | Literal["rotors"] | None:
-    if text is None:
-        return None
-    if text == "rotors":
-        return "rotors"
-    try:
-        return float(text)
-    except ValueError:
-        raise ArgumentError("--armature", text, "write a number or the word rotors") from None
 
 
 def _say(console: Console, lines: list[str]) -> None:
@@ -99,10 +69,8 @@ def _facts(found: Inspection) -> list[str]:
 
 def _joints(found: Inspection) -> Table:
     """Joints and their limits, each with where it comes from."""
-    from rich.table import Table
-
     arm = found.arm
-    table = Table(title=f"{arm.name}: limits as the file gives them", title_justify="left")
+    table = plain_table(f"{arm.name}: limits as the file gives them")
     table.add_column("joint", no_wrap=True)
     table.add_column("type")
     for heading in ("position", "velocity", "effort"):
@@ -126,10 +94,8 @@ def _joints(found: Inspection) -> Table:
 
 def _loads(found: Inspection) -> Table:
     """Loads, inertias and friction of the joints."""
-    from rich.table import Table
-
     arm = found.arm
-    table = Table(title="Loads over random configurations", title_justify="left")
+    table = plain_table("Loads over random configurations")
     table.add_column("joint", no_wrap=True)
     for heading in ("gravity", "of the limit", "inertia", "armature", "friction", "damping"):
         table.add_column(heading, justify="right")

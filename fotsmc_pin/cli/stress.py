@@ -9,7 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from fotsmc_pin.cli.output import Force, plain_console, result_folder
+from fotsmc_pin.cli.arm_options import ArmNames, ArmOptions
+from fotsmc_pin.cli.groups import with_groups
+from fotsmc_pin.cli.law_options import complete_law
+from fotsmc_pin.cli.output import Force, plain_console, result_folder, say
 from fotsmc_pin.files import write_json, write_text
 
 if TYPE_CHECKING:
@@ -24,10 +27,18 @@ if TYPE_CHECKING:
 SHOWN_DRAWS = 10
 
 
+@with_groups
 def stress(
-    arms: Annotated[list[str], typer.Argument(help="URDF files, or names of `fotsmc arms`.")],
+    arms: ArmNames,
+    *,
+    arm_options: ArmOptions,
     controller: Annotated[
-        list[str] | None, typer.Option(help="Name of a law; may be repeated. All by default.")
+        list[str] | None,
+        typer.Option(
+            help="Name of a law; may be repeated. All by default.",
+            metavar="LAW",
+            autocompletion=complete_law,
+        ),
     ] = None,
     pid_trials: Annotated[
         int, typer.Option(help="Add the best PID that this many trials find on each arm.")
@@ -53,15 +64,13 @@ def stress(
     force: Force = False,
 ) -> None:
     """Put arms under stress: heavier than believed, with friction, noise, delay and start error."""
-    from fotsmc_pin.arms import load_arm
     from fotsmc_pin.evaluation.stress import run_random_scenarios
     from fotsmc_pin.evaluation.stress import stress as run_suite
 
     folder = None if out is None else result_folder(out, force=force)
     rows: list[StressRow] = []
     seeds: list[int] = []
-    for name in arms:
-        arm = load_arm(name)
+    for arm in [arm_options.load(name) for name in arms]:
         if draws:
             drawn = run_random_scenarios(arm, draws, first_seed=first_seed, progress=True)
             rows += [found.row for found in drawn]
@@ -77,7 +86,7 @@ def stress(
     console = plain_console()
     console.print(_table(rows, seeds))
     if folder is not None:
-        console.print(f"The table is kept in {folder / 'stress.md'}.")
+        say(f"The table is kept in {folder / 'stress.md'}.")
 
 
 def _ablation(arm: Arm, seed: int, duration: float) -> list[StressRow]:

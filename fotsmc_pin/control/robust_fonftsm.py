@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Unpack
 import numpy as np
 
 from fotsmc_pin.compiled import kernel
-from fotsmc_pin.control.conditions import warn_of_gravity
 from fotsmc_pin.control.controller import Controller, SignalRows, Streams
 from fotsmc_pin.control.functions import sig
 from fotsmc_pin.control.gains import DERIVED, Gains, flag, per_joint, scalar
@@ -201,10 +200,6 @@ class RobustFONFTSM(Controller[RobustFONFTSMGains]):
             preset: str | None = None,
             **gains: Unpack[RobustFONFTSMKeywords],
         ) -> None: ...
-
-    def review(self) -> None:
-        """Warn of an arm that cannot hold itself up."""
-        warn_of_gravity(self.arm, self)
 
     @staticmethod
     @kernel

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fotsmc_pin.arms import demand_arm
 from fotsmc_pin.checks import finite_vector
 
 if TYPE_CHECKING:
@@ -29,7 +30,8 @@ class Hold:
     q: ArrayLike | None = None
 
     def __post_init__(self) -> None:
-        """Check the configuration."""
+        """Check the arm and the configuration."""
+        demand_arm(self.arm)
         q = self.arm.neutral if self.q is None else self.q
         object.__setattr__(self, "q", finite_vector("q", q, self.arm.nq))
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.interpolate import PPoly, make_interp_spline
 
+from fotsmc_pin.arms import demand_arm
 from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.references.path import JointPath, unwrapped
 from fotsmc_pin.references.time_scaling import motion_limits
@@ -74,6 +75,7 @@ class Spline(JointPath):
                 samples that `from_samples` refuses.
             FileNotFoundError: no such file.
         """
+        demand_arm(arm)
         with Path(path).open(newline="", encoding="utf-8") as file:
             lines = [line for line in csv.reader(file) if any(cell.strip() for cell in line)]
         columns = list(range(arm.nv + 1))

@@ -6,14 +6,17 @@ import platform
 import time
 from functools import cache
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import numpy as np
 
 from fotsmc_pin import checks
+from fotsmc_pin.arms import demand_arm
 from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.progress import reporting
 from fotsmc_pin.simulation.faults import NOTHING, Tick, divergence, fault_of, flaw
+from fotsmc_pin.simulation.interrupt import kept_on_interrupt
+from fotsmc_pin.simulation.memory import demand_memory
 from fotsmc_pin.simulation.plant import Plant
 from fotsmc_pin.simulation.recorder import Recorder
 from fotsmc_pin.simulation.reference_values import reference_values
@@ -31,6 +34,7 @@ CHUNK = 256
 """Ticks whose reference is evaluated at once."""
 
 
+@runtime_checkable
 class Law(Protocol):
     """What the simulation uses of a controller."""
 
@@ -106,11 +110,15 @@ def simulate(
         UrdfError: a joint of the arm moves no inertia.
         DivergenceError: a joint left every reasonable bound; it says which one left first, and
             carries the recording so far.
+        RunInterrupted: Ctrl-C; a `KeyboardInterrupt` that carries the recording so far.
     """
+    demand_arm(arm)
+    checks.instance("controller", controller, Law, "give a controller, as a law's class makes it")
     dt = checks.finite_number("controller.dt", controller.dt, above=0.0)
     checks.choice("encoder", encoder, ("motor", "link"))
     duration = checks.finite_number("duration", duration, at_least=dt)
     stride = checks.count("record_every", record_every)
+    demand_memory(arm, duration, dt, stride)
     q_start, v_start, _ = _checked_reference(arm, reference)
     plant = Plant(
         arm,
@@ -146,7 +154,8 @@ def simulate(
         took = time.perf_counter() - started
         return recorder.recording(_metadata(controller, reference, options, took))
 
-    with reporting(progress, f"{type(controller).__name__}, {arm.name}") as report:
+    title = f"{type(controller).__name__}, {arm.name}"
+    with reporting(progress, title) as report, kept_on_interrupt(recording):
         for first in range(0, ticks, CHUNK):
             report(first / ticks)
             instants = clock[first : min(first + CHUNK, ticks)]

@@ -65,7 +65,7 @@ def suggested(trial: Any, space: Mapping[str, Span]) -> dict[str, float]:
 
 
 def require_optuna() -> ModuleType:
-    """Return the module `optuna`, told to speak of warnings only.
+    """Return the module `optuna`, told to speak of errors only.
 
     Raises:
         MissingDependencyError: it is not installed.
@@ -76,6 +76,6 @@ def require_optuna() -> ModuleType:
         raise MissingDependencyError(
             "the search of gains needs Optuna: pip install 'fotsmc_pin[tune]'"
         ) from error
-    optuna.logging.set_verbosity(optuna.logging.WARNING)
+    optuna.logging.set_verbosity(optuna.logging.ERROR)
     module: ModuleType = optuna
     return module
