@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import IO, TYPE_CHECKING, Any
 from zipfile import ZIP_STORED, ZipFile, ZipInfo
 
 import numpy as np
@@ -29,7 +29,7 @@ ZIP_EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
 def write(
-    stream: BinaryIO,
+    stream: IO[bytes],
     arrays: Mapping[str, Array],
     signals: Mapping[str, Array],
     about: Mapping[str, Any],
@@ -75,7 +75,7 @@ def write(
                     report(written / whole)
 
 
-def read(path: str | os.PathLike[str], stream: BinaryIO, names: tuple[str, ...]) -> dict[str, Any]:
+def read(path: str | os.PathLike[str], stream: IO[bytes], names: tuple[str, ...]) -> dict[str, Any]:
     """Return what `write` wrote: the arrays `names`, "signals" and the "header".
 
     Raises:
