@@ -8,7 +8,17 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1] / "fotsmc_pin"
-GROUND = {"errors", "checks", "compiled", "files", "types", "progress", "copying", "user_warnings"}
+GROUND = {
+    "errors",
+    "checks",
+    "compiled",
+    "files",
+    "types",
+    "progress",
+    "copying",
+    "user_warnings",
+    "notebook",
+}
 
 LARGEST_TOP_LEVEL = 14
 """So many packages can be read at a glance."""

@@ -66,10 +66,10 @@ class Recorder:
         self._filled = k + 1
 
     def recording(self, metadata: dict[str, Any]) -> Recording:
-        """Return all rows so far."""
+        """Return all rows so far; its arrays are views on the recorder's table, not copies."""
         n = self._filled
         ends = np.cumsum([0, *self._widths]).tolist()
-        parts = [self._table[:n, start:end].copy() for start, end in pairwise(ends)]
+        parts = [self._table[:n, start:end] for start, end in pairwise(ends)]
         (q, v, tau), live = parts[:3], dict(zip(self._names, parts[3:], strict=True))
         q_d, v_d = self._q_d[:n], self._v_d[:n]
         asked = {name: rows[:n] for name, rows in self._asked.items()}

@@ -2,31 +2,28 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fotsmc_pin.arms import Arm
 from fotsmc_pin.errors import RecordingError
 from fotsmc_pin.files import replacing
+from fotsmc_pin.notebook import page_of
+from fotsmc_pin.progress import reporting
+from fotsmc_pin.simulation import recording_file
 
 if TYPE_CHECKING:
     import os
 
+    from fotsmc_pin.progress import Progress
     from fotsmc_pin.types import Array
 
 
-FORMAT = 3
-OLDER_NAMES: dict[int, dict[str, str]] = {2: {"e_dot": "ed"}, FORMAT: {}}
-"""Formats that can be read, each with the arrays that had another name in it."""
-SIGNAL_PREFIX = "signal."
-
-
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Recording:
     """A run of `N` ticks: state, reference, error, torque and the controller's signals.
 
@@ -92,18 +89,33 @@ class Recording:
         """Error of the motors from the reference (N, nv): that of the links and the deflection."""
         return self.e + self.signals["deflection"] if "deflection" in self.signals else self.e
 
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write everything into one compressed `.npz` file, without pickle, whole or not at all."""
-        header = {
-            "format": FORMAT,
-            "arm": self.arm.to_dict(),
-            "metadata": self.metadata,
-            "signals": [*self.signals],
-        }
+    @property
+    def divergence(self) -> dict[str, Any] | None:
+        """Where the run was given up, "time" [s] and "joint"; None where it went to its end."""
+        return self.metadata.get("divergence")
+
+    def __repr__(self) -> str:
+        """Name the law and the arm, and tell the size: the arrays would fill pages."""
+        law = self.metadata.get("controller", "unknown controller")
+        span = f"{self.t[-1] - self.t[0]:g} s" if len(self) else "0 s"
+        lost = "" if self.divergence is None else ", diverged"
+        size = f"{len(self)} rows over {span}, {self.arm.nv} joints{lost}"
+        return f"<Recording of {law} on {self.arm.name}: {size}>"
+
+    def _repr_html_(self) -> str | None:
+        return page_of(self)
+
+    def save(self, path: str | os.PathLike[str], *, progress: Progress = False) -> None:
+        """Write everything into one `.npz` file, without pickle, whole or not at all.
+
+        Args:
+            path: the file; missing folders are made.
+            progress: True shows a bar on standard error; a callable is told the fraction done.
+        """
+        about = {"arm": self.arm.to_dict(), "metadata": self.metadata}
         arrays = {name: getattr(self, name) for name in ARRAYS}
-        arrays |= {SIGNAL_PREFIX + name: signal for name, signal in self.signals.items()}
-        with replacing(path) as stream:
-            np.savez_compressed(stream, header=np.array(json.dumps(header)), **arrays)
+        with reporting(progress, f"Saving {Path(path).name}") as report, replacing(path) as stream:
+            recording_file.write(stream, arrays, self.signals, about, report)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Recording:
@@ -115,28 +127,14 @@ class Recording:
         """
         with Path(path).open("rb") as stream:
             try:
-                return cls._read(path, stream)
+                found = recording_file.read(path, stream, ARRAYS)
+                header = found.pop("header")
+                arm = Arm.from_dict(header["arm"])
+                return cls(arm=arm, metadata=header["metadata"], **found)
             except RecordingError:
                 raise
             except Exception as error:  # the parsers raise many kinds on damaged bytes
                 raise RecordingError(f"{path}: not a recording of fotsmc_pin ({error})") from error
-
-    @classmethod
-    def _read(cls, path: str | os.PathLike[str], stream: BinaryIO) -> Recording:
-        with np.load(stream, allow_pickle=False) as file:
-            header = json.loads(str(file["header"]))
-            older = OLDER_NAMES.get(header["format"])
-            if older is None:
-                readable = " and ".join(map(str, OLDER_NAMES))
-                raise RecordingError(
-                    f"{path}: recording format {header['format']}, this version reads {readable}"
-                )
-            return cls(
-                **{name: file[older.get(name, name)] for name in ARRAYS},
-                signals={name: file[SIGNAL_PREFIX + name] for name in header["signals"]},
-                arm=Arm.from_dict(header["arm"]),
-                metadata=header["metadata"],
-            )
 
 
 ARRAYS = tuple(f.name for f in fields(Recording) if f.name not in ("signals", "arm", "metadata"))
