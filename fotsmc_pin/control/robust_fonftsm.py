@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fotsmc_pin.compiled import kernel
-from fotsmc_pin.control.controller import A_D, ED, LIMIT, TAU, Controller, E, V
+from fotsmc_pin.control.controller import A_D, ED, LIMIT, TAU, V_D, Controller, E, V
 from fotsmc_pin.control.gains import Gains, flag, per_joint, scalar
 from fotsmc_pin.control.gravity_check import warn_of_gravity
 from fotsmc_pin.control.inertia_floor import OBSERVER_RATE, largest_floor, raise_floor
-from fotsmc_pin.control.momentum_observer import observe
+from fotsmc_pin.control.momentum_observer import smooth, unexplained
+from fotsmc_pin.control.rotor_search import largest_rotor, search_rotor
 from fotsmc_pin.control.saturation import integrated, inverse_dynamics, unwound
+from fotsmc_pin.control.standstill import follow_rest, watch_standstill
 from fotsmc_pin.control.switching import sig
 from fotsmc_pin.fractional import FractionalDerivative, FractionalIntegral
 from fotsmc_pin.fractional.advance import advance, commit, predict
@@ -24,8 +26,14 @@ if TYPE_CHECKING:
     from fotsmc_pin.compiled import Kernel
     from fotsmc_pin.control.gains import Array
 
-LONGEST_TICK_AT_FULL_SPEED = 1.5e-3
+LONGEST_TICK_AT_FULL_SPEED = 1.35e-3
 """The default rates suit ticks up to this; longer ones slow them in proportion [s]."""
+APPROACH = 0.9
+"""Share of a joint's velocity limit at which a large error is closed."""
+WIDEST_REACH = 0.25
+"""Reach where no velocity limit asks for less [rad]."""
+FADING = 5.0
+"""Rate at which the second integral is emptied where the reference rests [1/s]."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -33,20 +41,24 @@ class RobustFONFTSMGains(Gains):
     """Gains of `RobustFONFTSM`, all in joint units: none depends on the arm's inertia.
 
     Attributes:
+        bandwidth: one factor on all rates of the loop; less than 1 for elastic joints, noisy
+            sensors or slow drives. Where `dt` is above 1.35 ms all rates are slowed in proportion
+            besides. The numbers below are those at `bandwidth` 1.
         alpha: order `α` of the surface and of the integral; with 0 the law is of integer order.
         tempering: `σ`; both operators fade with `e^{-σt}`, so that errors die exponentially and not
             like a power of time. 0 is the paper's.
-        A: linear gain of the surface. By default 25, less where `dt` is above 1.5 ms.
+        A: linear gain of the surface.
         lam: gain `λ` of the terminal term.
         power: `p/q`, between 1 and 2 as the paper's proof demands.
         reach: error `ē` beyond which the surface asks for no more speed, so that a large start
-            error takes no large torque.
-        theta: gain `Θ` of the reaching law. By default 12, less where `dt` is above 1.5 ms.
+            error takes no large torque. By default `reach_of_limits`.
+        theta: gain `Θ` of the reaching law.
         mu: power `μ` of the reaching law.
         integral: rate `b` of the integral that stands in place of a sign; 0 switches it off.
         boundary_layer: `φ`, the distance from the surface at which the integral works hardest.
-        observer: bandwidth `K` of the disturbance observer; 0 switches it off. By default 100, less
-            where `dt` is above 1.5 ms.
+        observer: bandwidth `K` of the disturbance observer; 0 switches it off.
+        rotor_limit: bound of the rotor inertia that is found from oscillation; 0 switches the
+            search off. By default `largest_rotor` of the arm.
         floor_share: how much inertia is added per disturbance torque; 0 switches the floor off.
         floor_rate: bandwidth `ω_f` of the torque that the added inertia asks for.
         floor_limit: the most that is added. By default `largest_floor` of the arm.
@@ -54,17 +66,19 @@ class RobustFONFTSMGains(Gains):
         memory_horizon: time over which the operators' memory is certified [s].
     """
 
+    bandwidth: float = scalar(1.0, above=0.0)
     alpha: float = scalar(0.3, at_least=0.0, below=1.0)
-    tempering: float = scalar(10.0, "1/s", at_least=0.0)
-    A: Array = per_joint(None, "s^-(1+α)", above=0.0)
+    tempering: float = scalar(14.0, "1/s", at_least=0.0)
+    A: Array = per_joint(28.0, "s^-(1+α)", above=0.0)
     lam: Array = per_joint(2.0, "rad^(1-p/q) s^-(1+α)", at_least=0.0)
     power: float = scalar(1.1, above=1.0, below=2.0)
-    reach: Array = per_joint(0.3, "rad", above=0.0)
-    theta: Array = per_joint(None, "1/s", above=0.0)
+    reach: Array = per_joint(None, "rad", above=0.0)
+    theta: Array = per_joint(21.0, "1/s", above=0.0)
     mu: float = scalar(0.99, above=0.0, below=1.0)
-    integral: Array = per_joint(50.0, "rad s^-(3-α)", at_least=0.0)
+    integral: Array = per_joint(50.0, "rad s^-(3+α)", at_least=0.0)
     boundary_layer: Array = per_joint(0.05, "rad s^-(1+α)", above=0.0)
-    observer: Array = per_joint(None, "rad/s", at_least=0.0)
+    observer: Array = per_joint(88.0, "rad/s", at_least=0.0)
+    rotor_limit: Array = per_joint(None, "kg·m²", at_least=0.0)
     floor_share: Array = per_joint(0.16, "s²/rad", at_least=0.0)
     floor_rate: Array = per_joint(25.0, "rad/s", above=0.0)
     floor_limit: Array = per_joint(None, "kg·m²", at_least=0.0)
@@ -109,7 +123,8 @@ class RobustFONFTSM(Controller):
 
     def _prepare(self) -> None:
         warn_of_gravity(self.arm, stacklevel=3)
-        self.gains = g = complete_gains(self.gains, self.arm, self.dt)
+        self.gains = complete_gains(self.gains, self.arm)
+        g = scaled(self.gains, self.dt)
         n = self.arm.nv
         memory: dict[str, Any] = {
             "order": g.alpha,
@@ -120,15 +135,17 @@ class RobustFONFTSM(Controller):
         derivative = FractionalDerivative(**memory).stream(n)
         integral = FractionalIntegral(**memory).stream(n)
         self._streams = [derivative, integral]
-        # Rows: z, ė_a, y, last v, d, mean of d, δ; and, in the first entry of the last row, whether
-        # there was a tick.
-        self._state = np.zeros((8, n))
+        # Rows: z, ė_a, y, last v, d, mean of d, δ, ρ, last ė, last a_d, J, c, and
+        # whether there was a tick; then the rows of `watch_standstill` and of `search_rotor`.
+        self._state = np.zeros((34, n))
         work = np.zeros((5, n))
         self._signals = {
             "s": work[0],
             "z": self._state[0],
             "disturbance": self._state[4],
             "inertia_floor": self._state[6],
+            "rest": self._state[7],
+            "rotor": self._state[9],
         }
         self._arguments = (
             self._joints,
@@ -136,7 +153,7 @@ class RobustFONFTSM(Controller):
             self._h0,
             self._pack(
                 g.A, g.lam, g.power, g.reach, g.theta, g.mu, g.integral, g.boundary_layer,
-                g.observer, g.floor_share, g.floor_rate, g.floor_limit,
+                g.observer, g.floor_share, g.floor_rate, g.floor_limit, g.rotor_limit,
             ),
             g.anti_windup,
             derivative.coefficients,
@@ -152,21 +169,50 @@ class RobustFONFTSM(Controller):
         return control_law
 
 
-def complete_gains(gains: RobustFONFTSMGains, arm: Arm, dt: float) -> RobustFONFTSMGains:
-    """Return the gains with those filled in that follow from the arm and the period of a tick.
+def complete_gains(gains: RobustFONFTSMGains, arm: Arm) -> RobustFONFTSMGains:
+    """Return the gains with those filled in that follow from the arm."""
+    if gains.reach is None:
+        gains = replace(gains, reach=reach_of_limits(gains, arm))
+    if gains.floor_limit is None:
+        gains = replace(gains, floor_limit=largest_floor(arm))
+    if gains.rotor_limit is None:
+        gains = replace(gains, rotor_limit=largest_rotor(arm))
+    return gains
+
+
+def reach_of_limits(gains: RobustFONFTSMGains, arm: Arm) -> Array:
+    """Return `ē` (nv,) [rad] with which a large error is closed within the velocity limits.
+
+    On the surface, far away, `D^{α,σ} ė = -(A ē + λ ē^{p/q})`, and of a constant speed the tempered
+    derivative becomes `σ^α ė`: the speed is `(A ē + λ ē^{p/q}) / σ^α`. As `λ ē^{p/q} ≤ λ ē` for
+    `ē ≤ 1 rad`, `ē = 0.9 v_max σ^α / (A + λ)` keeps it below the limit, and 0.25 rad is the most.
+    """
+    allowed = APPROACH * arm.velocity_limit * gains.tempering**gains.alpha
+    reach: Array = np.minimum(allowed / (gains.A + gains.lam), WIDEST_REACH)
+    return reach
+
+
+def scaled(gains: RobustFONFTSMGains, dt: float) -> RobustFONFTSMGains:
+    """Return the gains with every rate scaled by `bandwidth`, and slowed for long ticks.
 
     A loop that acts `1.5 dt` late, by the hold and one tick of delay, bears rates in proportion to
-    `1 / dt`: beyond 1.5 ms all rates are slowed by one factor.
+    `1 / dt`: beyond 1.35 ms all are slowed by one factor. With time measured in units of
+    `1 / factor` the law stays the same; a gain counts that unit as often as its own unit says.
     """
-    slower = min(1.0, LONGEST_TICK_AT_FULL_SPEED / dt)
-    defaults: dict[str, Any] = {
-        "A": np.full(arm.nv, 25.0 * slower ** (1.0 + gains.alpha)),
-        "theta": np.full(arm.nv, 12.0 * slower),
-        "observer": np.full(arm.nv, 100.0 * slower),
-        "floor_limit": largest_floor(arm),
-    }
-    missing = {name for name in defaults if getattr(gains, name) is None}
-    return replace(gains, **{name: defaults[name] for name in missing})
+    factor = gains.bandwidth * min(1.0, LONGEST_TICK_AT_FULL_SPEED / dt)
+    surface = factor ** (1.0 + gains.alpha)
+    return replace(
+        gains,
+        tempering=gains.tempering * factor,
+        A=gains.A * surface,
+        lam=gains.lam * surface,
+        reach=np.minimum(gains.reach / factor, WIDEST_REACH),
+        theta=gains.theta * factor,
+        integral=gains.integral * factor ** (3.0 + gains.alpha),
+        boundary_layer=gains.boundary_layer * surface,
+        observer=gains.observer * factor,
+        floor_rate=gains.floor_rate * factor,
+    )
 
 
 @kernel
@@ -185,54 +231,70 @@ def control_law(
     work: Array,
 ) -> None:
     """One tick; `tau` still holds the torque of the last one."""
-    e, ed, v, a_d, tau = joints[E], joints[ED], joints[V], joints[A_D], joints[TAU]
-    A, lam, r, reach, theta, mu, b, phi, K, share, floor_rate, largest = (
+    e, ed, v, v_d, a_d, tau = (
+        joints[E], joints[ED], joints[V], joints[V_D], joints[A_D], joints[TAU],
+    )  # fmt: skip
+    A, lam, r, reach, theta, mu, b, phi, K, share, floor_rate, largest_floor, largest_rotor = (
         gains[0], gains[1], gains[2], gains[3], gains[4], gains[5], gains[6], gains[7], gains[8],
-        gains[9], gains[10], gains[11],
+        gains[9], gains[10], gains[11], gains[12],
     )  # fmt: skip
-    z, ed_a, y, last_v, d, mean_d, delta, started = (
-        state[0], state[1], state[2], state[3], state[4], state[5], state[6], state[7],
+    z, ed_a, y, last_v, d, mean_d, delta, rest, last_ed, J, offset, started = (
+        state[0], state[1], state[2], state[3], state[4], state[5], state[6], state[7], state[8],
+        state[9], state[10], state[11],
     )  # fmt: skip
+    watch, kept, held, probe = state[12:21], state[19], state[20], state[21:32]
+    lacking, a_e = state[32], state[33]
     S, w, a, u, excess = work[0], work[1], work[2], work[3], work[4]
     n = e.size
 
-    # What the last tick did: the disturbance, and the floor under the inertia that it calls for.
+    # What the last tick did: the disturbance, the floor that it calls for, the rotors.
     if started[0] == 0.0:
         started[0] = 1.0
         ed_a[:] = ed
     else:
-        observe(dt, M0, h0, v, last_v, tau, OBSERVER_RATE, d)
-        raise_floor(dt, e, M0, d, share, largest, mean_d, delta)
+        unexplained(dt, M0, h0, J, v, last_v, tau, lacking)
+        smooth(dt, OBSERVER_RATE, lacking, d)
+        raise_floor(dt, e, M0, d, share, largest_floor, mean_d, delta)
+        for i in range(n):
+            a_e[i] = (ed[i] - last_ed[i]) / dt
+            offset[i] += J[i] * y[i]
+        search_rotor(dt, lacking, a_e, largest_rotor, J, probe)
+        for i in range(n):
+            offset[i] -= J[i] * y[i]  # The torque stays what it was.
     last_v[:] = v
+    last_ed[:] = ed
+    follow_rest(dt, v_d, a_d, rest)
 
-    # S = D^{α,σ} ė + A ς(e) + λ sig(e)^{p/q}
+    # S = D^{α,σ} ė + A ς(e) + λ sig(ς(e))^{p/q}
     advance(derivative, derivative_memory, ed, dt, S)
     for i in range(n):
         bend = 1.0 / math.sqrt(1.0 + (e[i] / reach[i]) ** 2)
-        S[i] += A[i] * bend * e[i] + lam[i] * sig(e[i], r[i])
+        near = bend * e[i]
+        S[i] += A[i] * near + lam[i] * sig(near, r[i])
         w[i] = (
             theta[i] * (S[i] + sig(S[i], mu[i]))
-            + A[i] * bend**3 * ed[i]
-            + lam[i] * r[i] * abs(e[i]) ** (r[i] - 1.0) * ed[i]
+            + (A[i] + lam[i] * r[i] * abs(near) ** (r[i] - 1.0)) * bend**3 * ed[i]
             + z[i]
         )
 
-    # a = a_d - I^{α,σ} w,   u = a + K (ė_a - ė),   τ = M0 u + δ y + C0 v + G0
+    # a = a_d - I^{α,σ} w,   u = a + K (ė_a - ė),   τ = (M0 + J) u + δ y + C0 v + G0
     gain = predict(integral, integral_memory, dt, a)
     for i in range(n):
         a[i] = a_d[i] - a[i] - gain * w[i]
         u[i] = a[i] + K[i] * (ed_a[i] - ed[i])
         y[i] += floor_rate[i] * dt / (1.0 + floor_rate[i] * dt) * (u[i] - y[i])
-        excess[i] = h0[i] + delta[i] * y[i]
+        excess[i] = h0[i] + offset[i] + J[i] * u[i] + delta[i] * y[i]
     inverse_dynamics(M0, excess, u, joints[LIMIT], tau, excess)
+    watch_standstill(dt, e, u, rest, watch)
 
-    # What the actuator cannot follow does not enter the memories.
+    # What the actuator cannot follow does not enter the memories; nor what friction holds.
     for i in range(n):
         unfollowed = excess[i] if anti_windup else 0.0
-        inertia = M0[i, i] + delta[i]
+        inertia = M0[i, i] + J[i] + delta[i]
         if unfollowed != 0.0:
             w[i] = unwound(w[i], unfollowed, gain * inertia)
-        x = S[i] / phi[i]
-        z[i] = integrated(z[i], b[i] * x / (1.0 + x * x), dt, unfollowed)
-        ed_a[i] += dt * (a[i] - a_d[i] - unfollowed / inertia)
+        x, idle = S[i] / phi[i], rest[i] * (1.0 - kept[i])
+        rate = (1.0 - idle) * b[i] * x / (1.0 + x * x) - FADING * idle * z[i]
+        z[i] = integrated(z[i], rate, dt, unfollowed)
+        ed_a[i] += dt * (1.0 - rest[i] * held[i]) * (a[i] - a_d[i] - unfollowed / inertia)
     commit(integral, integral_memory, w, dt)
