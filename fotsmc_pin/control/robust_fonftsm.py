@@ -123,7 +123,7 @@ class RobustFONFTSM(Controller):
 
     def _prepare(self) -> None:
         warn_of_gravity(self.arm, stacklevel=3)
-        self.gains = complete_gains(self.gains, self.arm)
+        self.gains = complete_gains(self.gains, self.arm, self.dt)
         g = scaled(self.gains, self.dt)
         n = self.arm.nv
         memory: dict[str, Any] = {
@@ -169,15 +169,15 @@ class RobustFONFTSM(Controller):
         return control_law
 
 
-def complete_gains(gains: RobustFONFTSMGains, arm: Arm) -> RobustFONFTSMGains:
-    """Return the gains with those filled in that follow from the arm."""
-    if gains.reach is None:
-        gains = replace(gains, reach=reach_of_limits(gains, arm))
-    if gains.floor_limit is None:
-        gains = replace(gains, floor_limit=largest_floor(arm))
-    if gains.rotor_limit is None:
-        gains = replace(gains, rotor_limit=largest_rotor(arm))
-    return gains
+def complete_gains(gains: RobustFONFTSMGains, arm: Arm, dt: float) -> RobustFONFTSMGains:
+    """Return the gains with those filled in that follow from the arm and the period of a tick."""
+    defaults: dict[str, Any] = {
+        "reach": reach_of_limits(scaled(gains, dt), arm),
+        "floor_limit": largest_floor(arm),
+        "rotor_limit": largest_rotor(arm),
+    }
+    missing = {name for name in defaults if getattr(gains, name) is None}
+    return replace(gains, **{name: defaults[name] for name in missing})
 
 
 def reach_of_limits(gains: RobustFONFTSMGains, arm: Arm) -> Array:
@@ -206,7 +206,6 @@ def scaled(gains: RobustFONFTSMGains, dt: float) -> RobustFONFTSMGains:
         tempering=gains.tempering * factor,
         A=gains.A * surface,
         lam=gains.lam * surface,
-        reach=np.minimum(gains.reach / factor, WIDEST_REACH),
         theta=gains.theta * factor,
         integral=gains.integral * factor ** (3.0 + gains.alpha),
         boundary_layer=gains.boundary_layer * surface,
@@ -258,7 +257,7 @@ def control_law(
         for i in range(n):
             a_e[i] = (ed[i] - last_ed[i]) / dt
             offset[i] += J[i] * y[i]
-        search_rotor(dt, lacking, a_e, largest_rotor, J, probe)
+        search_rotor(dt, e, lacking, a_e, largest_rotor, J, probe)
         for i in range(n):
             offset[i] -= J[i] * y[i]  # The torque stays what it was.
     last_v[:] = v

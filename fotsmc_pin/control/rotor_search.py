@@ -31,8 +31,14 @@ LIKENESS = 0.7
 """Correlation of torque and acceleration from which on inertia is what joins them."""
 SWINGS = 4
 """Changes of sign that make an oscillation: a transient has fewer."""
-PACE = 4.0
-"""Rate at which the missing inertia is made up [1/s]."""
+RISE, FALL = 0.8, 20.0
+"""Rates at which missing inertia is made up, and at which surplus is taken away [1/s].
+
+Slowly up: the loop is quiet long before all that is missing is found, and what is found at one pose
+(of a payload) is not there at another. Fast down: too much oscillates at the rate of the ticks.
+"""
+FAR = 0.2
+"""Error at which a joint counts as on its way: what its pose there asks for is not learnt [rad]."""
 
 
 def largest_rotor(arm: Arm) -> Array:
@@ -43,14 +49,14 @@ def largest_rotor(arm: Arm) -> Array:
 
 @kernel
 def search_rotor(
-    dt: float, lacking: Array, a: Array, largest: Array, rotor: Array, probe: Array
+    dt: float, e: Array, lacking: Array, a: Array, largest: Array, rotor: Array, probe: Array
 ) -> None:
     """Move the rotor inertias `J` (nv,) [kg·m²] by one tick.
 
     Torque and acceleration pass the same band-pass. With sums over the last quarter of a second,
     what is missing is `Σ τ a / Σ a²`, the least-squares estimate; after `SWINGS` of an oscillation
 
-        J̇ = 4 Σ τ a / Σ a²,   0 ≤ J ≤ largest.
+        J̇ = 0.8 Σ τ a / Σ a² upward, 20 Σ τ a / Σ a² downward,   0 ≤ J ≤ largest.
 
     Dry friction is in quadrature with the acceleration of an oscillation, and gravity changes
     slowly: neither biases the estimate, and too much of either spoils the correlation, so that
@@ -58,6 +64,7 @@ def search_rotor(
 
     Args:
         dt: time since the last tick [s].
+        e: tracking error (nv,).
         lacking: torque that the model with `J` does not explain, over the last tick (nv,).
         a: acceleration beyond the reference's over the last tick (nv,).
         largest: bound of `J` (nv,).
@@ -84,7 +91,8 @@ def search_rotor(
             if moved * probe[10, i] < 0.0:
                 probe[9, i] += 1.0
             if probe[9, i] > SWINGS:
-                found = min(max(rotor[i] + PACE * dt * ta / aa, 0.0), largest[i])
+                pace = RISE / (1.0 + (e[i] / FAR) ** 2) if ta > 0.0 else FALL
+                found = min(max(rotor[i] + min(pace * dt, 1.0) * ta / aa, 0.0), largest[i])
                 more, rotor[i] = found - rotor[i], found
                 # What is explained from now on was never lacking.
                 for k in range(3):
