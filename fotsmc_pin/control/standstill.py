@@ -29,7 +29,7 @@ PUSHED = 0.5
 
 In `1 / SMOOTHING` seconds it moves a free joint of ten times the nominal inertia by 60 µrad.
 """
-NEAR = 1e-4
+NEAR = 1.5e-4
 """Error at which a joint that sticks is left in peace [rad]."""
 HUNTING, FARTHEST = 8, 2e-3
 """Slips past the goal that count as hunting, and the largest error that may end it [rad]."""
