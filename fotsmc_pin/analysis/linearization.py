@@ -10,6 +10,8 @@ import numpy as np
 from fotsmc_pin.errors import ArgumentError
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
     from numpy.typing import NDArray
 
     from fotsmc_pin.control import Controller
@@ -45,19 +47,6 @@ class LinearLaw:
     D: Array
     dt: float
 
-    def response(self, rates: Array) -> Array:
-        """Return `u` per `e`, with `ė` the derivative of `e`, at `rates` [rad/s]: (k,) complex."""
-        z = np.exp(1j * rates * self.dt)
-        inputs = self.B[:, 0, None] + 1j * rates * self.B[:, 1, None]
-        n, gain = len(self.A), self.D[0] + 1j * rates * self.D[1]
-        if n == 0:
-            return np.array(gain)
-        states = [
-            np.linalg.solve(zk * np.eye(n) - self.A, column)
-            for zk, column in zip(z, inputs.T, strict=True)
-        ]
-        return np.array(gain + np.array(states) @ self.C)
-
 
 class _Tick:
     """The controller's tick as a function of its memory and of the errors of one joint."""
@@ -90,10 +79,13 @@ class _Tick:
         q = self.arm.integrate(self.arm.neutral, e)
         tau = self.controller.update(q, ed, self.arm.neutral, self._rest, self._rest)
         h0 = self.arm.inverse_dynamics(q, ed, self._rest)
-        return self.memory(), np.linalg.solve(self.arm.mass_matrix(q), tau - h0)
+        u = np.linalg.solve(self.arm.mass_matrix(q), tau - h0).astype(np.float64)
+        return self.memory(), u
 
 
-def linearize(controller: Controller, amplitude: float = 1e-4) -> tuple[LinearLaw, ...]:
+def linearize(
+    controller: Controller, amplitude: float = 1e-4, joints: Sequence[int] | None = None
+) -> tuple[LinearLaw, ...]:
     """Return the linear system that a law is near its equilibrium, one per joint.
 
     The real tick is run at the arm's neutral configuration with one state or one error changed at
@@ -106,6 +98,7 @@ def linearize(controller: Controller, amplitude: float = 1e-4) -> tuple[LinearLa
         controller: a law that multiplies a commanded acceleration with the nominal mass matrix,
             each joint's from its own error.
         amplitude: size of the error at which slopes are taken [rad, m].
+        joints: indices of the joints that are wanted; all by default.
 
     Raises:
         ArgumentError: the law does not have that form, or gravity exceeds an effort limit.
@@ -118,7 +111,8 @@ def linearize(controller: Controller, amplitude: float = 1e-4) -> tuple[LinearLa
         for _ in range(SETTLING_TICKS):
             memory, _ = tick(memory, rest, rest)
         _demand_form(tick, memory)
-        return tuple(_joint(tick, memory, j, amplitude) for j in range(controller.arm.nv))
+        wanted = range(controller.arm.nv) if joints is None else joints
+        return tuple(_joint(tick, memory, j, amplitude) for j in wanted)
     finally:
         tick.put_back()
 
@@ -143,7 +137,6 @@ def _demand_form(tick: _Tick, memory: Array) -> None:
 def _joint(tick: _Tick, memory: Array, joint: int, amplitude: float) -> LinearLaw:
     nv, dt = tick.arm.nv, tick.controller.dt
     unit = np.eye(nv)[joint]
-    none = np.zeros(nv)
     scale = _scales(tick, memory, unit, amplitude)
 
     def slopes(change: Array, e: float, ed: float) -> tuple[Array, Array]:
@@ -177,7 +170,6 @@ def _joint(tick: _Tick, memory: Array, joint: int, amplitude: float) -> LinearLa
     B = np.array([[response[i] for response, _ in inputs] for i in order]).reshape(-1, 2) / sizes
     C = np.array([columns[j][1][joint] for j in order])
     D = np.array([u[joint] for _, u in inputs]) / sizes
-    del none
     return LinearLaw(A=A, B=B, C=C, D=D, dt=dt)
 
 
@@ -196,7 +188,7 @@ def _scales(tick: _Tick, memory: Array, unit: Array, amplitude: float) -> Array:
 
 
 def _seen(
-    columns: dict[int, tuple[Array, Array]], joint: int, connected: object
+    columns: dict[int, tuple[Array, Array]], joint: int, connected: Callable[[Array], list[int]]
 ) -> list[int]:
     """States on which the torque depends, at once or later."""
     largest = max((abs(u[joint]) for _, u in columns.values()), default=0.0)
@@ -205,7 +197,7 @@ def _seen(
         more = {
             k
             for k, (moved, _) in columns.items()
-            if k not in seen and any(abs(moved[i]) > CONNECTED for i in seen)
+            if k not in seen and not seen.isdisjoint(connected(moved))
         }
         if not more:
             return sorted(seen)

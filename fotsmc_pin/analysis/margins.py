@@ -20,7 +20,9 @@ from fotsmc_pin.analysis.sampled_loop import (
 from fotsmc_pin.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
 
     from fotsmc_pin.analysis.linearization import LinearLaw
     from fotsmc_pin.control import Controller
@@ -30,8 +32,8 @@ if TYPE_CHECKING:
 LIGHTEST, HEAVIEST = 1e-3, 1e3
 """Ratios of inertia beyond which no edge is looked for."""
 RATES = 400
-SMALLEST_BANDWIDTH, LARGEST_BANDWIDTH = 0.01, 4.0
-SIDES = ("motor", "link")
+ALIKE = 1e-4
+"""Difference of two joints' laws, relative to the largest entry, that is one of rounding only."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -107,7 +109,7 @@ def margins(controller: Controller, delay: int = 1, *, amplitude: float = 1e-4) 
     delay = checks.count("delay", delay, at_least=0)
     amplitude = checks.finite_number("amplitude", amplitude, above=0.0)
     laws = linearize(controller, amplitude)
-    kinds = _distinct(laws)
+    place, kinds = distinct(laws)
     for law in kinds:
         if not is_stable(law, Joint(), delay):
             remedy = "its loop is unstable with the nominal inertia; lower its gains or the delay"
@@ -116,7 +118,6 @@ def margins(controller: Controller, delay: int = 1, *, amplitude: float = 1e-4) 
     damping, rate = min(dampings)
     M0 = controller.arm.mass_matrix(controller.arm.neutral)
     noise = [[noise_gain(law, Joint(), delay, channel) for law in kinds] for channel in (0, 1)]
-    place = [next(k for k, kind in enumerate(kinds) if _same(kind, law)) for law in laws]
     position, velocity = (np.sqrt(M0**2 @ np.array(gain)[place] ** 2) for gain in noise)
     responses = [_response(law, delay) for law in kinds]
     return Margins(
@@ -134,87 +135,33 @@ def margins(controller: Controller, delay: int = 1, *, amplitude: float = 1e-4) 
     )
 
 
-def largest_bandwidth(
-    controller: Controller,
-    joint_stiffness: ArrayLike,
-    *,
-    rotor: ArrayLike,
-    damping_ratio: float = 0.02,
-    encoder: str = "link",
-    delay: int = 1,
-) -> float:
-    """Return the largest `bandwidth` with which a law is stable on elastic joints.
-
-    Each joint is taken as Spong's two masses: `rotor` behind a spring, and the rest of the
-    nominal inertia of that joint at the neutral configuration with the others at rest.
-
-    Args:
-        controller: a law with a gain `bandwidth`.
-        joint_stiffness: of each joint, one number or (nv,) [N·m/rad].
-        rotor: inertia on the motor's side, one number or (nv,) [kg·m²]; below that of the joint.
-        damping_ratio: of the spring between its two masses.
-        encoder: "motor" or "link": the side that is measured.
-        delay: ticks of delay.
-
-    Raises:
-        ArgumentError: a law without a `bandwidth`, numbers out of range, or no bandwidth at all.
-    """
-    arm, name = controller.arm, type(controller).__name__
-    if not hasattr(controller.gains, "bandwidth"):
-        raise ArgumentError("controller", name, "give a law with a gain `bandwidth`")
-    k = checks.per_joint("joint_stiffness", joint_stiffness, arm.nv, above=0.0)
-    J = checks.per_joint("rotor", rotor, arm.nv, above=0.0)
-    ratio = checks.finite_number("damping_ratio", damping_ratio, at_least=0.0)
-    link_side = checks.choice("encoder", encoder, [*SIDES]) == "link"
-    inertia = np.diag(arm.mass_matrix(arm.neutral))
-    if (inertia <= J).any():
-        remedy = "the nominal inertia must contain the rotor's: load the arm with that armature"
-        raise ArgumentError("rotor", J, remedy)
-    share = J / inertia
-    reduced = inertia * share * (1.0 - share)
-    joints = [
-        Joint(
-            rotor=share[j],
-            stiffness=k[j] / inertia[j],
-            damping=2.0 * ratio * float(np.sqrt(k[j] * reduced[j])) / inertia[j],
-            link_side=link_side,
-        )
-        for j in range(arm.nv)
-    ]
-    given = {f: getattr(controller.gains, f) for f in controller.gains.__dataclass_fields__}
-
-    def stable(bandwidth: float) -> bool:
-        scaled = type(controller)(arm, controller.dt, **{**given, "bandwidth": bandwidth})
-        laws = linearize(scaled)
-        return all(is_stable(law, joint, delay) for law, joint in zip(laws, joints, strict=True))
-
-    found = edge(stable, SMALLEST_BANDWIDTH, LARGEST_BANDWIDTH, steps=16)
-    if np.isnan(found):
-        raise ArgumentError("joint_stiffness", joint_stiffness, "no bandwidth is stable on it")
-    return found
-
-
 def _edge(law: LinearLaw, delay: int, end: float) -> float:
     return edge(lambda m: is_stable(law, Joint(mass=m), delay), 1.0, end)
 
 
 def _same(one: LinearLaw, two: LinearLaw) -> bool:
+    pairs = zip((one.A, one.B, one.C, one.D), (two.A, two.B, two.C, two.D), strict=True)
     return all(
-        a.shape == b.shape and np.allclose(a, b, rtol=1e-4, atol=1e-6 * (1.0 + np.abs(a).max(initial=0.0)))
-        for a, b in zip((one.A, one.B, one.C, one.D), (two.A, two.B, two.C, two.D), strict=True)
+        a.shape == b.shape
+        and bool(np.abs(a - b).max(initial=0.0) <= ALIKE * np.abs(a).max(initial=0.0))
+        for a, b in pairs
     )
 
 
-def _distinct(laws: tuple[LinearLaw, ...]) -> list[LinearLaw]:
+def distinct(laws: Sequence[LinearLaw]) -> tuple[list[int], list[LinearLaw]]:
+    """Return for each law the index of the first like it in the list of those that differ."""
+    place: list[int] = []
     kinds: list[LinearLaw] = []
     for law in laws:
-        if not any(_same(law, kind) for kind in kinds):
+        like = next((k for k, kind in enumerate(kinds) if _same(law, kind)), len(kinds))
+        if like == len(kinds):
             kinds.append(law)
-    return kinds
+        place.append(like)
+    return place, kinds
 
 
 def _rates(law: LinearLaw, delay: int) -> Array:
-    """Rates of the loop's modes as `ln(z)/dt`, (n,) complex; those that are gone in a tick left out."""
+    """Rates `ln(z)/dt` of the loop's modes, (n,) complex, less those that are gone in a tick."""
     z = np.linalg.eigvals(closed_loop(law, Joint(), delay))
     return np.array(np.log(z[np.abs(z) > 1e-3].astype(complex)) / law.dt)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,8 +17,6 @@ if TYPE_CHECKING:
     from fotsmc_pin.analysis.linearization import LinearLaw
 
     Array = NDArray[np.float64]
-
-BISECTIONS = 24
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -63,7 +62,9 @@ class Joint:
 
 
 def closed_loop(law: LinearLaw, joint: Joint, delay: int) -> Array:
-    """Return the matrix of one tick of the loop; states: the law's, the joint's, torques on the way.
+    """Return the matrix of one tick of the loop.
+
+    States: the law's, the joint's, the torques on their way.
 
     Args:
         law: the law.
@@ -92,7 +93,13 @@ def is_stable(law: LinearLaw, joint: Joint, delay: int) -> bool:
     return bool(np.abs(np.linalg.eigvals(closed_loop(law, joint, delay))).max() < 1.0)
 
 
-def edge(stable: Callable[[float], bool], start: float, end: float, steps: int = 40) -> float:
+def edge(
+    stable: Callable[[float], bool],
+    start: float,
+    end: float,
+    steps: int = 40,
+    bisections: int = 24,
+) -> float:
     """Return where `stable` ends on the way from `start` to `end`, in equal ratios.
 
     `end` if it never ends; NaN where it is not stable at `start`.
@@ -100,10 +107,10 @@ def edge(stable: Callable[[float], bool], start: float, end: float, steps: int =
     if not stable(start):
         return float("nan")
     points = np.geomspace(start, end, steps)
-    for inside, outside in zip(points[:-1], points[1:], strict=True):
+    for inside, outside in pairwise(points):
         if not stable(float(outside)):
             good, bad = float(inside), float(outside)
-            for _ in range(BISECTIONS):
+            for _ in range(bisections):
                 middle = float(np.sqrt(good * bad))
                 good, bad = (middle, bad) if stable(middle) else (good, middle)
             return good

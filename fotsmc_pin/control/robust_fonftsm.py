@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fotsmc_pin.compiled import kernel
 from fotsmc_pin.control.controller import A_D, ED, LIMIT, TAU, V_D, Controller, E, V
-from fotsmc_pin.control.gains import Gains, flag, per_joint, scalar
 from fotsmc_pin.control.gravity_check import warn_of_gravity
-from fotsmc_pin.control.inertia_floor import OBSERVER_RATE, largest_floor, raise_floor
+from fotsmc_pin.control.inertia_floor import OBSERVER_RATE, raise_floor
 from fotsmc_pin.control.momentum_observer import smooth, unexplained
-from fotsmc_pin.control.rotor_search import largest_rotor, search_rotor
+from fotsmc_pin.control.robust_gains import RobustFONFTSMGains, complete_gains, scaled
+from fotsmc_pin.control.rotor_search import search_rotor
 from fotsmc_pin.control.saturation import integrated, inverse_dynamics, unwound
 from fotsmc_pin.control.standstill import follow_rest, watch_standstill
 from fotsmc_pin.control.switching import sig
@@ -22,68 +21,11 @@ from fotsmc_pin.fractional import FractionalDerivative, FractionalIntegral
 from fotsmc_pin.fractional.advance import advance, commit, predict
 
 if TYPE_CHECKING:
-    from fotsmc_pin.arms import Arm
     from fotsmc_pin.compiled import Kernel
     from fotsmc_pin.control.gains import Array
 
-LONGEST_TICK_AT_FULL_SPEED = 1.35e-3
-"""The default rates suit ticks up to this; longer ones slow them in proportion [s]."""
-APPROACH = 0.9
-"""Share of a joint's velocity limit at which a large error is closed."""
-WIDEST_REACH = 0.25
-"""Reach where no velocity limit asks for less [rad]."""
 FADING = 5.0
 """Rate at which the second integral is emptied where the reference rests [1/s]."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class RobustFONFTSMGains(Gains):
-    """Gains of `RobustFONFTSM`, all in joint units: none depends on the arm's inertia.
-
-    Attributes:
-        bandwidth: one factor on all rates of the loop; less than 1 for elastic joints, noisy
-            sensors or slow drives. Where `dt` is above 1.35 ms all rates are slowed in proportion
-            besides. The numbers below are those at `bandwidth` 1.
-        alpha: order `α` of the surface and of the integral; with 0 the law is of integer order.
-        tempering: `σ`; both operators fade with `e^{-σt}`, so that errors die exponentially and not
-            like a power of time. 0 is the paper's.
-        A: linear gain of the surface.
-        lam: gain `λ` of the terminal term.
-        power: `p/q`, between 1 and 2 as the paper's proof demands.
-        reach: error `ē` beyond which the surface asks for no more speed, so that a large start
-            error takes no large torque. By default `reach_of_limits`.
-        theta: gain `Θ` of the reaching law.
-        mu: power `μ` of the reaching law.
-        integral: rate `b` of the integral that stands in place of a sign; 0 switches it off.
-        boundary_layer: `φ`, the distance from the surface at which the integral works hardest.
-        observer: bandwidth `K` of the disturbance observer; 0 switches it off.
-        rotor_limit: bound of the rotor inertia that is found from oscillation; 0 switches the
-            search off. By default `largest_rotor` of the arm.
-        floor_share: how much inertia is added per disturbance torque; 0 switches the floor off.
-        floor_rate: bandwidth `ω_f` of the torque that the added inertia asks for.
-        floor_limit: the most that is added. By default `largest_floor` of the arm.
-        anti_windup: whether torque limits hold back the law's three memories.
-        memory_horizon: time over which the operators' memory is certified [s].
-    """
-
-    bandwidth: float = scalar(1.0, above=0.0)
-    alpha: float = scalar(0.3, at_least=0.0, below=1.0)
-    tempering: float = scalar(14.0, "1/s", at_least=0.0)
-    A: Array = per_joint(28.0, "s^-(1+α)", above=0.0)
-    lam: Array = per_joint(2.0, "rad^(1-p/q) s^-(1+α)", at_least=0.0)
-    power: float = scalar(1.1, above=1.0, below=2.0)
-    reach: Array = per_joint(None, "rad", above=0.0)
-    theta: Array = per_joint(21.0, "1/s", above=0.0)
-    mu: float = scalar(0.99, above=0.0, below=1.0)
-    integral: Array = per_joint(50.0, "rad s^-(3+α)", at_least=0.0)
-    boundary_layer: Array = per_joint(0.05, "rad s^-(1+α)", above=0.0)
-    observer: Array = per_joint(88.0, "rad/s", at_least=0.0)
-    rotor_limit: Array = per_joint(None, "kg·m²", at_least=0.0)
-    floor_share: Array = per_joint(0.16, "s²/rad", at_least=0.0)
-    floor_rate: Array = per_joint(25.0, "rad/s", above=0.0)
-    floor_limit: Array = per_joint(None, "kg·m²", at_least=0.0)
-    anti_windup: bool = flag(True)
-    memory_horizon: float = scalar(1e3, "s", above=0.0, tuned=False)
 
 
 class RobustFONFTSM(Controller):
@@ -91,28 +33,37 @@ class RobustFONFTSM(Controller):
 
     Surface, with the tempered Caputo derivative `D^{α,σ}` and `ς(e) = e / √(1 + (e/ē)²)`:
 
-        S = D^{α,σ} ė + A ς(e) + λ sig(e)^{p/q}
+        S = D^{α,σ} ė + A ς(e) + λ sig(ς(e))^{p/q}
 
-    The law is a commanded acceleration, with the integral of a bounded function of `S` in place of
-    the sign of sliding mode:
+    Far away `ė` ends at `(A ē + λ ē^{p/q}) / σ^α`: `ē` follows from the velocity limits.
+    The law is a commanded acceleration:
 
-        w = Θ S + Θ sig(S)^μ + A ς'(e) ė + λ (p/q) |e|^{p/q-1} ∘ ė + z
-        ż = b x / (1 + x²),  x = S/φ
-        a = a_d - I^{α,σ} w
+        w = Θ S + Θ sig(S)^μ + (A + λ (p/q) |ς|^{p/q-1}) ς'(e) ė + z
+        ż = (1 - η) b x / (1 + x²) - 5 η z,   x = S/φ,   η = ρ (1 - κ)
+        a = a_d - I^{α,σ} w,   ë_a = (1 - ρ h) (a - a_d),   u = a + K (ė_a - ė)
 
-    An observer compares the speed error that was commanded, `ė_a`, with the one that came, and asks
-    for the acceleration that is missing; a floor `δ` under the inertia, raised where the momentum
-    observer meets friction (`inertia_floor`), lends it weight below `ω_f`:
+    `K (ė_a - ė)` is a disturbance observer of bandwidth `K` in units of acceleration, and the
+    loop's first integral. `z` is the second, in place of a sign. Two integrals hunt against dry
+    friction and bear less inertia; so `z` is emptied where the reference rests (`ρ = 1`), unless
+    the error has been below 10 µrad ever since (`κ = 1`). A joint that dry friction holds near its
+    goal (`h = 1`) is left in peace (`standstill`). The torque:
 
-        u = a + K (ė_a - ė),   ë_a = a - a_d,   ẏ = ω_f (u - y),   τ = M0 u + δ ∘ y + C0 v + G0
+        τ = (M0 + J) u + δ ∘ y + c + C0 v + G0,   ẏ = ω_f (u - y),   ċ = -J̇ ∘ y
 
-    `K (ė_a - ė)` is a disturbance observer of bandwidth `K` in units of acceleration. Where a
-    torque limit cuts in, the fractional integral, `z` and `ė_a` take in only what was followed.
+    `J` is what the nominal inertia lacks where a joint oscillates (`rotor_search`); `c` keeps the
+    torque continuous while `J` moves. The floor `δ` rises where the momentum observer meets
+    friction (`inertia_floor`). Where a torque limit cuts in, the fractional integral, `z` and
+    `ė_a` take in only what was followed.
+
+    With `J = 0` the loop bears true inertias from 0.136 to 4.97 times the nominal one in motion
+    and to 12.6 times at rest (1 kHz, one tick of delay; `fotsmc_pin.analysis.margins`). Above, a
+    joint oscillates for about a second until `J` is found; below, it is lost.
 
     Warns:
         GravityWarning: gravity asks the arm for more than its effort limits.
 
-    Signals: "s"; "z"; "disturbance", the momentum observer's torque; "inertia_floor", `δ`.
+    Signals: "s"; "z"; "disturbance", the torque that the model does not explain, low-passed;
+    "inertia_floor", `δ`; "rest", `ρ`; "rotor", `J`.
 
     Source: the surface and the reaching law are [19] and [21] of Nojavanzadeh and Badamchizadeh,
     IET Control Theory & Applications, 2016; the integral is that of the super-twisting of Levant,
@@ -135,7 +86,7 @@ class RobustFONFTSM(Controller):
         derivative = FractionalDerivative(**memory).stream(n)
         integral = FractionalIntegral(**memory).stream(n)
         self._streams = [derivative, integral]
-        # Rows: z, ė_a, y, last v, d, mean of d, δ, ρ, last ė, last a_d, J, c, and
+        # Rows: z, ė_a, y, last v, d, mean of d, δ, ρ, last ė, J, c, and
         # whether there was a tick; then the rows of `watch_standstill` and of `search_rotor`.
         self._state = np.zeros((34, n))
         work = np.zeros((5, n))
@@ -167,51 +118,6 @@ class RobustFONFTSM(Controller):
     @property
     def _kernel(self) -> Kernel:
         return control_law
-
-
-def complete_gains(gains: RobustFONFTSMGains, arm: Arm, dt: float) -> RobustFONFTSMGains:
-    """Return the gains with those filled in that follow from the arm and the period of a tick."""
-    defaults: dict[str, Any] = {
-        "reach": reach_of_limits(scaled(gains, dt), arm),
-        "floor_limit": largest_floor(arm),
-        "rotor_limit": largest_rotor(arm),
-    }
-    missing = {name for name in defaults if getattr(gains, name) is None}
-    return replace(gains, **{name: defaults[name] for name in missing})
-
-
-def reach_of_limits(gains: RobustFONFTSMGains, arm: Arm) -> Array:
-    """Return `ē` (nv,) [rad] with which a large error is closed within the velocity limits.
-
-    On the surface, far away, `D^{α,σ} ė = -(A ē + λ ē^{p/q})`, and of a constant speed the tempered
-    derivative becomes `σ^α ė`: the speed is `(A ē + λ ē^{p/q}) / σ^α`. As `λ ē^{p/q} ≤ λ ē` for
-    `ē ≤ 1 rad`, `ē = 0.9 v_max σ^α / (A + λ)` keeps it below the limit, and 0.25 rad is the most.
-    """
-    allowed = APPROACH * arm.velocity_limit * gains.tempering**gains.alpha
-    reach: Array = np.minimum(allowed / (gains.A + gains.lam), WIDEST_REACH)
-    return reach
-
-
-def scaled(gains: RobustFONFTSMGains, dt: float) -> RobustFONFTSMGains:
-    """Return the gains with every rate scaled by `bandwidth`, and slowed for long ticks.
-
-    A loop that acts `1.5 dt` late, by the hold and one tick of delay, bears rates in proportion to
-    `1 / dt`: beyond 1.35 ms all are slowed by one factor. With time measured in units of
-    `1 / factor` the law stays the same; a gain counts that unit as often as its own unit says.
-    """
-    factor = gains.bandwidth * min(1.0, LONGEST_TICK_AT_FULL_SPEED / dt)
-    surface = factor ** (1.0 + gains.alpha)
-    return replace(
-        gains,
-        tempering=gains.tempering * factor,
-        A=gains.A * surface,
-        lam=gains.lam * surface,
-        theta=gains.theta * factor,
-        integral=gains.integral * factor ** (3.0 + gains.alpha),
-        boundary_layer=gains.boundary_layer * surface,
-        observer=gains.observer * factor,
-        floor_rate=gains.floor_rate * factor,
-    )
 
 
 @kernel

@@ -41,7 +41,7 @@ NEGLIGIBLE = 1e-5
 def follow_rest(dt: float, v_d: Array, a_d: Array, rest: Array) -> None:
     """Move `ρ` (nv,) by one tick: 1 where the reference of a joint rests, 0 where it moves.
 
-        ρ̇ = 10 (exp(-(v_d / 0.02)² - (a_d / 0.2)²) - ρ)
+    `ρ` follows `exp(-(v_d / 0.02)² - (a_d / 0.2)²)` at the rate 10/s.
     """
     share = REST_RATE * dt / (1.0 + REST_RATE * dt)
     for i in range(rest.size):
