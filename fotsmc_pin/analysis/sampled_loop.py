@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 
+DOUBLINGS, NEGLIGIBLE = 60, 1e-12
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Joint:
     """What a law's commanded acceleration `u` moves, in units of its nominal inertia.
@@ -152,5 +155,16 @@ def noise_gain(law: LinearLaw, joint: Joint, delay: int, channel: int) -> float:
         into[n + p] = law.D[channel]
     u = np.zeros(len(loop))
     u[:n], u[n : n + p] = law.C, law.D @ H
-    covariance = scipy.linalg.solve_discrete_lyapunov(loop, np.outer(into, into))
+    covariance = _sum_of_powers(loop, np.outer(into, into))
     return float(np.sqrt(max(u @ covariance @ u, 0.0) + law.D[channel] ** 2))
+
+
+def _sum_of_powers(A: Array, Q: Array) -> Array:
+    """Return `Σ A^k Q (A^k)ᵀ` of a stable `A`, by doubling."""
+    total, power = Q, A
+    for _ in range(DOUBLINGS):
+        total = total + power @ total @ power.T
+        power = power @ power
+        if np.abs(power).max() < NEGLIGIBLE:
+            break
+    return total

@@ -8,7 +8,7 @@ from fotsmc_pin.analysis import inertia_ratios, largest_bandwidth, margins
 from fotsmc_pin.analysis.linearization import linearize
 from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.references import Hold
-from fotsmc_pin.simulation import TickDelay, simulate
+from fotsmc_pin.simulation import NoisySensor, TickDelay, simulate
 
 DT = 1e-3
 SLIDER = """<robot name="slider"><link name="base"/><link name="cart"><inertial><mass value="{}"/>
@@ -85,7 +85,7 @@ def grows(slider, make, mass, delay, moving):
         earlier, last = swings(slider, make, mass, delay, moving)
     except fp.errors.DivergenceError:
         return True
-    return last > 1.1 * earlier
+    return last > 0.95 * earlier
 
 
 def test_a_pid_has_the_edge_of_routh(slider):
@@ -112,8 +112,6 @@ def test_noise_gains_are_those_of_the_simulation(slider):
         (1e-6, 0.0, found.position_noise),
         (0.0, 1e-4, found.velocity_noise),
     ):
-        from fotsmc_pin.simulation import NoisySensor
-
         sensor = NoisySensor(arm, position=position, velocity=velocity, seed=1)
         rec = simulate(arm, law, Hold(arm), 8.0, sensor=sensor, actuator=TickDelay(1))
         rms = np.sqrt(np.mean(rec.tau[1000:] ** 2))
@@ -153,29 +151,29 @@ class TestInertiaRatios:
         np.testing.assert_allclose(inertia_ratios(arm, arm).ratios, 1.0, rtol=1e-9)
 
     def test_a_factor_on_all_masses_is_the_ratio(self):
-        arm = fp.load_arm("two_link")
+        arm = fp.load_arm("ur5")
         found = inertia_ratios(fp.perturb(arm, mass_scale=1.5), arm)
-        assert (found.lowest, found.highest) == (pytest.approx(1.5), pytest.approx(1.5))
+        assert found.lowest == pytest.approx(1.5, rel=1e-3)
+        assert found.highest == pytest.approx(1.5, rel=1e-3)
 
-    def test_rotors_weigh_most_at_the_wrist(self):
+    def test_the_joint_that_is_too_heavy_is_named(self):
         arm = fp.load_arm("panda")
-        true = fp.perturb(arm, armature=(arm.effort_limit / 100.0).tolist())
-        found = inertia_ratios(true, arm)
+        found = inertia_ratios(fp.perturb(arm, armature={"panda_joint7": 0.2}), arm)
         assert found.highest > 10.0
         assert found.joint_highest == "panda_joint7"
-        assert found.lowest >= 1.0
+        assert found.lowest == pytest.approx(1.0)
 
     def test_other_joints_are_refused(self):
         with pytest.raises(ArgumentError, match="joints"):
             inertia_ratios(fp.load_arm("panda"), fp.load_arm("two_link"))
 
 
-class TestElasticJoints:
-    @pytest.fixture(scope="class")
-    def two_link(self):
-        raw = fp.load_arm("two_link")
-        return fp.load_arm("two_link", armature=[0.4, 0.4]), np.full(raw.nv, 0.4)
+@pytest.fixture
+def two_link():
+    return fp.load_arm("two_link", armature=[0.4, 0.4]), np.array([0.4, 0.4])
 
+
+class TestElasticJoints:
     def test_a_stiffer_joint_bears_more(self, two_link):
         arm, rotor = two_link
         law = fp.RobustFONFTSM(arm, DT, integral=0.0)
