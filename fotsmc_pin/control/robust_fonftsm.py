@@ -89,7 +89,7 @@ class RobustFONFTSM(Controller):
         # Rows: z, ė_a, y, last v, d, mean of d, δ, ρ, last ė, J, c, and
         # whether there was a tick; then the rows of `watch_standstill` and of `search_rotor`.
         self._state = np.zeros((34, n))
-        work = np.zeros((5, n))
+        work = np.zeros((6, n))
         self._signals = {
             "s": work[0],
             "z": self._state[0],
@@ -149,7 +149,7 @@ def control_law(
     )  # fmt: skip
     watch, kept, held, probe = state[12:21], state[19], state[20], state[21:32]
     lacking, a_e = state[32], state[33]
-    S, w, a, u, excess = work[0], work[1], work[2], work[3], work[4]
+    S, w, a, u, excess, effort = work[0], work[1], work[2], work[3], work[4], work[5]
     n = e.size
 
     # What the last tick did: the disturbance, the floor that it calls for, the rotors.
@@ -190,7 +190,9 @@ def control_law(
         y[i] += floor_rate[i] * dt / (1.0 + floor_rate[i] * dt) * (u[i] - y[i])
         excess[i] = h0[i] + offset[i] + J[i] * u[i] + delta[i] * y[i]
     inverse_dynamics(M0, excess, u, joints[LIMIT], tau, excess)
-    watch_standstill(dt, e, u, rest, watch)
+    for i in range(n):
+        effort[i] = u[i] + offset[i] / (M0[i, i] + J[i])
+    watch_standstill(dt, e, effort, rest, watch)
 
     # What the actuator cannot follow does not enter the memories; nor what friction holds.
     for i in range(n):

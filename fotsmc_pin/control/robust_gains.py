@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from fotsmc_pin.arms import Arm
     from fotsmc_pin.control.gains import Array
 
-LONGEST_TICK_AT_FULL_SPEED = 1.35e-3
+LONGEST_TICK_AT_FULL_SPEED = 1.44e-3
 """The default rates suit ticks up to this; longer ones slow them in proportion [s]."""
 APPROACH = 0.9
 """Share of a joint's velocity limit at which a large error is closed."""
@@ -29,7 +29,7 @@ class RobustFONFTSMGains(Gains):
 
     Attributes:
         bandwidth: one factor on all rates of the loop; less than 1 for elastic joints, noisy
-            sensors or slow drives. Where `dt` is above 1.35 ms all rates are slowed in proportion
+            sensors or slow drives. Where `dt` is above 1.44 ms all rates are slowed in proportion
             besides. The numbers below are those at `bandwidth` 1.
         alpha: order `α` of the surface and of the integral; with 0 the law is of integer order.
         tempering: `σ`; both operators fade with `e^{-σt}`, so that errors die exponentially and not
@@ -100,7 +100,7 @@ def scaled(gains: RobustFONFTSMGains, dt: float) -> RobustFONFTSMGains:
     """Return the gains with every rate scaled by `bandwidth`, and slowed for long ticks.
 
     A loop that acts `1.5 dt` late, by the hold and one tick of delay, bears rates in proportion to
-    `1 / dt`: beyond 1.35 ms all are slowed by one factor. With time measured in units of
+    `1 / dt`: beyond 1.44 ms all are slowed by one factor. With time measured in units of
     `1 / factor` the law stays the same; a gain counts that unit as often as its own unit says.
     """
     factor = gains.bandwidth * min(1.0, LONGEST_TICK_AT_FULL_SPEED / dt)

@@ -61,7 +61,7 @@ def watch_standstill(dt: float, e: Array, u: Array, rest: Array, watch: Array) -
     Args:
         dt: time since the last tick [s].
         e: tracking error (nv,).
-        u: commanded acceleration (nv,).
+        u: commanded acceleration, with all that is commanded as torque (nv,).
         rest: `ρ` of `follow_rest` (nv,).
         watch: (9, nv), overwritten. Rows: smoothed error and command, both when the joint last
             moved, error at which it last stuck, slips past the goal, allowed error beyond `NEAR`;
