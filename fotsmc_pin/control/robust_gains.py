@@ -90,8 +90,10 @@ def reach_of_limits(gains: RobustFONFTSMGains, arm: Arm) -> Array:
     On the surface, far away, `D^{α,σ} ė = -(A ē + λ ē^{p/q})`, and of a constant speed the tempered
     derivative becomes `σ^α ė`: the speed is `(A ē + λ ē^{p/q}) / σ^α`. As `λ ē^{p/q} ≤ λ ē` for
     `ē ≤ 1 rad`, `ē = 0.9 v_max σ^α / (A + λ)` keeps it below the limit, and 0.25 rad is the most.
+    Without tempering the derivative of a constant speed fades away; `σ = 1` stands in, which holds
+    it for the first second.
     """
-    allowed = APPROACH * arm.velocity_limit * gains.tempering**gains.alpha
+    allowed = APPROACH * arm.velocity_limit * max(gains.tempering, 1.0) ** gains.alpha
     reach: Array = np.minimum(allowed / (gains.A + gains.lam), WIDEST_REACH)
     return reach
 
