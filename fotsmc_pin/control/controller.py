@@ -120,9 +120,10 @@ class Controller(SharesNothing, ABC, Generic[G]):
         self.preset = checks.choice("preset", preset or next(iter(self.presets)), [*self.presets])
         self.gains = self.Gains.resolve(arm, self.dt, self.presets[self.preset], gains)  # type: ignore[assignment]
         self._configurations = np.zeros((2, arm.nq))
-        self._table = new_table(self.gains, self.State, self.Work, arm.effort_limit)
+        gains_in_force = self.effective_gains()
+        self._table = new_table(gains_in_force, self.State, self.Work, arm.effort_limit)
         self.memories: dict[str, Stream] = {
-            name: operator(self.gains, self.dt).stream(arm.nv)
+            name: operator(gains_in_force, self.dt).stream(arm.nv)
             for name, operator in self.streams.items()
         }
         self._link()
@@ -133,6 +134,10 @@ class Controller(SharesNothing, ABC, Generic[G]):
         """Warn of what the arm or the gains make impossible; called once, when both stand."""
         warn_of_gravity(self.arm, self)
         warn_of_slow_ticks(self.gains, self.dt, self)
+
+    def effective_gains(self) -> G:
+        """Return the gains that the tick and the streams are made with; `gains` by default."""
+        return self.gains
 
     def start(self) -> None:
         """Fill in what the memory starts from, where that is not zero; called by `reset`."""

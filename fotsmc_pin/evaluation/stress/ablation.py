@@ -23,6 +23,7 @@ VARIANTS: Mapping[str, Mapping[str, Any]] = {
     "no integral (b = 0)": {"integral": 0.0},
     "no disturbance observer (K = 0)": {"observer": 0.0},
     "no inertia floor": {"floor_share": 0.0},
+    "no search for rotors": {"rotor_limit": 0.0},
     "no anti-windup": {"anti_windup": False},
 }
 """Gains that switch one ingredient off, by what they leave out."""
