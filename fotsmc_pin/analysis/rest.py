@@ -24,7 +24,7 @@ def reference_stop(rec: Recording) -> float | None:
     if moving.size == 0:
         return float(rec.t[0])
     last = moving[-1] + 1
-    return float(rec.t[last]) if last < len(rec) else None
+    return float(rec.t[last]) if last < len(rec.t) else None
 
 
 def swings(rec: Recording) -> Array:

@@ -160,4 +160,4 @@ def _robot_description(name: str) -> Source | None:
 def _missing_data_hint() -> str:
     if example_robots_folder() is not None:
         return ""
-    return 'More come with `pip install "fotsmc_pin[robots]"`. '
+    return "More come with: pip install example-robot-data. "

@@ -42,7 +42,7 @@ def arms_command() -> None:
         "100 random configurations."
     )
     if example_robots_folder() is None:
-        console.print('More arms come with: pip install "fotsmc_pin[robots]"')
+        console.print("More arms come with: pip install example-robot-data")
     if importlib.util.find_spec("robot_descriptions") is not None:
         console.print("Names of robot_descriptions do as well; it fetches a robot when first used.")
     console.print("Any URDF file does as well: fotsmc inspect my.urdf")

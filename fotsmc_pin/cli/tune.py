@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import shutil
 import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -21,7 +20,7 @@ from fotsmc_pin.cli.output import (
     say,
     say_error,
 )
-from fotsmc_pin.errors import ArgumentError, FotsmcError
+from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.files import markdown_table, write_json, write_text
 
 if TYPE_CHECKING:
@@ -59,21 +58,23 @@ def tune(
 ) -> None:
     """Search gains in the stress scenario of an arm; stop it at any time and call it again."""
     from fotsmc_pin.analysis.metrics import UNITS
-    from fotsmc_pin.checks import choice
+    from fotsmc_pin.checks import choice, count
     from fotsmc_pin.control import CONTROLLERS
     from fotsmc_pin.evaluation.stress.scenario import DT
     from fotsmc_pin.evaluation.stress.suite import law_maker
     from fotsmc_pin.evaluation.tuning import tune as search
     from fotsmc_pin.evaluation.tuning.front import OBJECTIVES
+    from fotsmc_pin.evaluation.tuning.minimize import require_optuna
     from fotsmc_pin.view import front_figure, save_figure
 
     law = CONTROLLERS[choice("--controller", controller, [*CONTROLLERS])]
     choice("--objective", objective, OBJECTIVES)
+    count("--trials", trials)
+    require_optuna()
     nominal = arm_options.load(arm)
     start = law_maker(law)(nominal, DT).gains.as_dict()
     folder = out or Path("out") / file_name(f"tune_{nominal.name}_{controller}")
     run = _runner(law, nominal, start, seed, duration)
-    is_new = not folder.exists()
     folder.mkdir(parents=True, exist_ok=True)
     try:
         front = search(
@@ -94,10 +95,8 @@ def tune(
             "command goes on from there"
         )
         raise typer.Exit(INTERRUPTED) from None
-    except FotsmcError as error:
-        if is_new:
-            shutil.rmtree(folder, ignore_errors=True)
-        if isinstance(error, ArgumentError) and error.argument == "path":
+    except ArgumentError as error:
+        if error.argument == "path":
             raise ArgumentError("--out", str(folder), error.remedy) from None
         raise
     if not front:

@@ -173,6 +173,6 @@ def _pink() -> Any:
         import pink.tasks
     except ImportError as error:
         raise MissingDependencyError(
-            f"a Cartesian line needs {error.name}: pip install 'fotsmc_pin[ik]'"
+            f"a Cartesian line needs {error.name}: pip install pin-pink daqp"
         ) from None
     return pink

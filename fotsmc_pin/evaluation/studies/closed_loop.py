@@ -6,6 +6,7 @@ import json
 from dataclasses import dataclass, field, fields, replace
 from difflib import get_close_matches
 from functools import lru_cache
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -174,6 +175,15 @@ def _reference(make: Callable[[Arm], Reference], arm: Arm) -> Reference:
     return make(arm)
 
 
-@lru_cache(maxsize=8)
 def _arm(name: str) -> Arm:
+    """Return the arm of this name or file; a file that was edited since is read again."""
+    try:
+        file = Path(name).stat()
+    except OSError:
+        return _loaded(name, None)
+    return _loaded(name, (file.st_mtime_ns, file.st_size))
+
+
+@lru_cache(maxsize=8)
+def _loaded(name: str, state: tuple[int, int] | None) -> Arm:
     return load_arm(name)

@@ -119,7 +119,7 @@ def _cluster(run: Run, scheduler: str) -> Iterator[tuple[Run, dict[str, Any]]]:
         from distributed import Client
     except ImportError as error:
         raise MissingDependencyError(
-            "a scheduler needs Dask: pip install 'fotsmc_pin[cluster]'"
+            "a scheduler needs Dask: pip install 'dask[distributed]'"
         ) from error
     try:
         client = Client(scheduler, timeout="10s", set_as_default=False)

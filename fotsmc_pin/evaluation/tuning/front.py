@@ -159,7 +159,7 @@ def _differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]
     """Return in words where two searches differ."""
     names = [name for name in dict.fromkeys([*now, *before]) if before.get(name) != now.get(name)]
     words = [
-        f"its {name} is {before.get(name, 'not known')}, not {now.get(name, 'not known')}"
+        f"its {name} is {before.get(name, 'not known')}, not {now.get(name, 'given')}"
         for name in names
         if name != "start"
     ]

@@ -74,7 +74,7 @@ def require_optuna() -> ModuleType:
         import optuna
     except ImportError as error:
         raise MissingDependencyError(
-            "the search of gains needs Optuna: pip install 'fotsmc_pin[tune]'"
+            "the search of gains needs Optuna: pip install optuna"
         ) from error
     optuna.logging.set_verbosity(optuna.logging.ERROR)
     module: ModuleType = optuna

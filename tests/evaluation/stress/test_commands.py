@@ -5,8 +5,9 @@ import json
 import pytest
 from typer.testing import CliRunner
 
+from fotsmc_pin.arms.catalog import find_source
 from fotsmc_pin.cli import app
-from fotsmc_pin.errors import OutputExistsError
+from fotsmc_pin.errors import ArgumentError, OutputExistsError
 
 STRESS = ["stress", "asr_twodof", "--duration", "0.3", "--out"]
 
@@ -50,3 +51,26 @@ def test_tune_draws_the_front_and_goes_on(tmp_path):
     written = (tmp_path / "front.md").read_text()
     assert "kp=" in written
     assert "tail_rms_error [rad]" in written
+
+
+def test_tune_refuses_the_folder_of_another_arm_duration_or_seed(tmp_path):
+    pytest.importorskip("optuna")
+    out = ["--controller", "ComputedTorque", "--trials", "2", "--out", str(tmp_path / "out")]
+    source = find_source("asr_twodof").path.read_text()
+    arm = tmp_path / "own.urdf"
+    arm.write_text(source)
+    called("tune", str(arm), "--duration", "0.2", *out)
+    front = (tmp_path / "out/front.md").read_bytes()
+    for words, says in (
+        (("two_link", "--duration", "0.2"), "its arm is .*, not two_link"),
+        ((str(arm), "--duration", "0.3"), "duration .* is 0.2, not 0.3"),
+        ((str(arm), "--duration", "0.2", "--seed", "1"), "its seed is 0, not 1"),
+        ((str(arm), "--duration", "0.2", "--armature", "0.01"), "digest"),
+    ):
+        with pytest.raises(ArgumentError, match=says) as refused:
+            called("tune", *words, *out)
+        assert refused.value.argument == "--out"
+    arm.write_text(source.replace('mass value="', 'mass value="1'))
+    with pytest.raises(ArgumentError, match="digest"):
+        called("tune", str(arm), "--duration", "0.2", *out)
+    assert (tmp_path / "out/front.md").read_bytes() == front
