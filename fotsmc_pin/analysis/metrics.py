@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.integrate import trapezoid
 
 from fotsmc_pin import checks
+from fotsmc_pin.notebook import page_of
 
 if TYPE_CHECKING:
     from fotsmc_pin.simulation import Recording
@@ -37,15 +39,23 @@ UNITS = {
     "saturation_fraction": "–",
     "duration": "s",
 }
-"""Units of the metrics in a `Summary`, for an arm whose joints are all revolute."""
+"""Units of the metrics in a `Summary`, for revolute joints."""
+
+
+def units(position_unit: str) -> dict[str, str]:
+    """Return the units of the metrics for joints whose position is in "rad", or in "m"."""
+    if checks.choice("position_unit", position_unit, ("rad", "m")) == "rad":
+        return dict(UNITS)
+    return {name: unit.replace("rad", "m").replace("N·m", "N") for name, unit in UNITS.items()}
 
 
 @dataclass(frozen=True, kw_only=True)
 class Summary:
     """Metrics of a run. `‖e‖` is the Euclidean norm of the tracking error over all joints.
 
-    Units are those of an arm with revolute joints. Where some are prismatic, `‖e‖` adds up radians
-    and metres, and the torques newton-metres and newtons: compare such values on one arm only.
+    Units are those of revolute joints; for prismatic joints, metres and newtons take the place of
+    radians and newton-metres. On an arm that has both, `summarize` adds them up, and such values
+    are for comparison on this arm only: `summarize_by_unit` keeps the kinds apart.
 
     Attributes:
         settling_time: first time after which `‖e‖` stays below 10 mrad [s]; inf if it never does.
@@ -66,6 +76,7 @@ class Summary:
         energy: `∫ Σ |τ_j v_j| dt`, mechanical work done and absorbed [J].
         saturation_fraction: share of ticks at which some joint is at its effort limit.
         duration: time from the first to the last tick [s].
+        position_unit: "rad", "m", or "rad, m" where `‖e‖` adds up both.
     """
 
     settling_time: float
@@ -86,10 +97,36 @@ class Summary:
     energy: float
     saturation_fraction: float
     duration: float
+    position_unit: str = "rad"
 
     def as_dict(self) -> dict[str, float]:
         """Return all metrics by name."""
-        return asdict(self)
+        return {name: value for name, value in asdict(self).items() if name != "position_unit"}
+
+    @property
+    def units(self) -> dict[str, str]:
+        """The unit of each metric; "rad + m" where the joints' errors were added up."""
+        kinds = [units(unit) for unit in self.position_unit.split(", ")]
+        return {name: " + ".join(dict.fromkeys(kind[name] for kind in kinds)) for name in kinds[0]}
+
+    def __str__(self) -> str:
+        """Return a line for each metric, with its value and unit."""
+        told = {name.replace("_", " "): value for name, value in self.as_dict().items()}
+        width = max(map(len, told))
+        lines = (
+            f"{name:<{width}}  {value_with_unit(value, unit)}"
+            for (name, value), unit in zip(told.items(), self.units.values(), strict=True)
+        )
+        return "\n".join(lines)
+
+    _repr_html_ = page_of
+
+
+def value_with_unit(value: float, unit: str) -> str:
+    """Return a metric to four digits with its unit; a time that is infinite is "never"."""
+    if np.isposinf(value) and unit == "s":
+        return "never"
+    return f"{value:.4g}" if unit == "–" else f"{value:.4g} {unit}"
 
 
 def summarize(rec: Recording) -> Summary:
@@ -116,7 +153,45 @@ def summarize(rec: Recording) -> Summary:
         energy=float(trapezoid(np.abs(tau * rec.v).sum(axis=1), t)),
         saturation_fraction=float(limited.any(axis=1).mean()),
         duration=float(t[-1] - t[0]),
+        position_unit=", ".join(dict.fromkeys(rec.arm.position_units)),
     )
+
+
+def summarize_by_unit(rec: Recording) -> dict[str, Summary]:
+    """Return the metrics of the revolute joints and those of the prismatic joints apart.
+
+    Returns:
+        A summary for each kind of joint that the arm has, by the unit of its position: "rad", "m".
+        `units` gives the units of its metrics.
+    """
+    kinds = np.array(rec.arm.position_units)
+    found = dict.fromkeys(rec.arm.position_units)
+    return {unit: summarize(_only(rec, kinds == unit)) for unit in ("rad", "m") if unit in found}
+
+
+def _only(rec: Recording, joints: Array) -> Any:
+    """Return what `summarize` reads of a run, for some of the joints."""
+    return rec if joints.all() else _Part(rec, joints)
+
+
+class _Part:
+    """Some joints of a recording, as far as its metrics look at them."""
+
+    def __init__(self, rec: Recording, joints: Array) -> None:
+        arm, chosen = rec.arm, np.flatnonzero(joints)
+        self.t = rec.t
+        self.arm = SimpleNamespace(
+            effort_limit=arm.effort_limit[joints],
+            position_units=tuple(arm.position_units[j] for j in chosen),
+        )
+        self.e, self.v, self.v_d, self.tau = (
+            part[:, joints] for part in (rec.e, rec.v, rec.v_d, rec.tau)
+        )
+        self.error_norm = np.linalg.norm(self.e, axis=1)
+
+    def __len__(self) -> int:
+        """Return the number of recorded ticks."""
+        return len(self.t)
 
 
 def settling_time(rec: Recording, bound: float) -> float:

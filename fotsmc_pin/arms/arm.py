@@ -18,6 +18,7 @@ from fotsmc_pin.arms.visuals import visual_model
 from fotsmc_pin.checks import finite_vector
 from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.files import write_text
+from fotsmc_pin.notebook import page_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -69,6 +70,8 @@ class Arm:
     def __repr__(self) -> str:
         """Name and size; the URDF itself would fill pages."""
         return f"Arm({self.name!r}, nq={self.nq}, nv={self.nv}, tool_frame={self.tool_frame!r})"
+
+    _repr_html_ = page_of
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Travel as text: Pinocchio's objects are rebuilt on arrival."""
