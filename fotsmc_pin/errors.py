@@ -72,11 +72,15 @@ class DivergenceError(FotsmcError, ArithmeticError):
     Attributes:
         time: when [s].
         joint: name of the first such joint.
-        recording: everything recorded up to that time.
+        recording: everything recorded up to that time; its `divergence` tells time and joint.
     """
 
     def __init__(self, message: str, time: float, joint: str, recording: Any) -> None:
         self.time, self.joint, self.recording = time, joint, recording
+        # The recording is often kept without the error, and its report is to say so first.
+        metadata = getattr(recording, "metadata", None)
+        if metadata is not None:
+            metadata["divergence"] = {"time": float(time), "joint": joint}
         super().__init__(message)
 
     def __reduce__(self) -> tuple[type[DivergenceError], tuple[str, float, str, Any]]:

@@ -32,7 +32,15 @@ MAY_IMPORT = {
     "analysis": {"simulation", "control", "fractional", "arms", "references"},
     "realtime": {"simulation", "control", "fractional", "arms", "references"},
     "evaluation": {"analysis", "simulation", "control", "fractional", "arms", "references"},
-    "view": {"analysis", "simulation", "control", "fractional", "arms", "references"},
+    "view": {
+        "evaluation",
+        "analysis",
+        "simulation",
+        "control",
+        "fractional",
+        "arms",
+        "references",
+    },
     "paper": {
         "view",
         "evaluation",

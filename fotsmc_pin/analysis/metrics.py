@@ -10,6 +10,7 @@ import numpy as np
 
 from fotsmc_pin import checks
 from fotsmc_pin.analysis.rest import swings, time_to_rest
+from fotsmc_pin.notebook import page_of
 from fotsmc_pin.simulation import Recording
 
 if TYPE_CHECKING:
@@ -40,7 +41,7 @@ UNITS = {
     "time_to_rest": "s",
     "duration": "s",
 }
-"""Units of the metrics in a `Summary`, for joints that turn."""
+"""Units of the metrics in a `Summary`, for revolute joints."""
 
 
 def units(position_unit: str) -> dict[str, str]:
@@ -54,8 +55,8 @@ def units(position_unit: str) -> dict[str, str]:
 class Summary:
     """Metrics of a run. `‖e‖` is the Euclidean norm of the tracking error over all joints.
 
-    Units are those of joints that turn; for joints that slide, metres and newtons take the place of
-    radians and newton-metres. On an arm that has both, `summarize` adds them up, and such numbers
+    Units are those of revolute joints; for prismatic joints, metres and newtons take the place of
+    radians and newton-metres. On an arm that has both, `summarize` adds them up, and such values
     are for comparison on this arm only: `summarize_by_unit` keeps the kinds apart.
 
     Attributes:
@@ -80,6 +81,7 @@ class Summary:
         time_to_rest: from the reference's last motion until no joint swings by more than 0.15 mrad
             (`rest.time_to_rest`) [s]; inf if that is never, or the reference moves to the end.
         duration: time from the first to the last tick [s].
+        position_unit: "rad", "m", or "rad, m" where `‖e‖` adds up both.
     """
 
     settling_time: float
@@ -102,10 +104,36 @@ class Summary:
     swing: float
     time_to_rest: float
     duration: float
+    position_unit: str = "rad"
 
     def as_dict(self) -> dict[str, float]:
         """Return all metrics by name."""
-        return asdict(self)
+        return {name: value for name, value in asdict(self).items() if name != "position_unit"}
+
+    @property
+    def units(self) -> dict[str, str]:
+        """The unit of each metric; "rad + m" where the joints' errors were added up."""
+        kinds = [units(unit) for unit in self.position_unit.split(", ")]
+        return {name: " + ".join(dict.fromkeys(kind[name] for kind in kinds)) for name in kinds[0]}
+
+    def __str__(self) -> str:
+        """Return a line for each metric, with its value and unit."""
+        told = {name.replace("_", " "): value for name, value in self.as_dict().items()}
+        width = max(map(len, told))
+        lines = (
+            f"{name:<{width}}  {value_with_unit(value, unit)}"
+            for (name, value), unit in zip(told.items(), self.units.values(), strict=True)
+        )
+        return "\n".join(lines)
+
+    _repr_html_ = page_of
+
+
+def value_with_unit(value: float, unit: str) -> str:
+    """Return a metric to four digits with its unit; a time that is infinite is "never"."""
+    if np.isposinf(value) and unit == "s":
+        return "never"
+    return f"{value:.4g}" if unit == "–" else f"{value:.4g} {unit}"
 
 
 def summarize(rec: Recording) -> Summary:
@@ -137,11 +165,12 @@ def summarize(rec: Recording) -> Summary:
         swing=float(swings(rec).max()),
         time_to_rest=time_to_rest(rec),
         duration=float(t[-1] - t[0]),
+        position_unit=", ".join(dict.fromkeys(rec.arm.position_units)),
     )
 
 
 def summarize_by_unit(rec: Recording) -> dict[str, Summary]:
-    """Judge the joints that turn and those that slide apart.
+    """Return the metrics of the revolute joints and those of the prismatic joints apart.
 
     Returns:
         A summary for each kind of joint that the arm has, by the unit of its position: "rad", "m".
@@ -161,7 +190,12 @@ class _Part:
     """Some joints of a recording, as far as its metrics look at them."""
 
     def __init__(self, rec: Recording, joints: Array) -> None:
-        self.t, self.arm = rec.t, SimpleNamespace(effort_limit=rec.arm.effort_limit[joints])
+        arm, chosen = rec.arm, np.flatnonzero(joints)
+        self.t = rec.t
+        self.arm = SimpleNamespace(
+            effort_limit=arm.effort_limit[joints],
+            position_units=tuple(arm.position_units[j] for j in chosen),
+        )
         self.e, self.v, self.v_d, self.tau = (
             part[:, joints] for part in (rec.e, rec.v, rec.v_d, rec.tau)
         )

@@ -20,6 +20,7 @@ from fotsmc_pin.arms.visuals import visual_model
 from fotsmc_pin.checks import finite_vector
 from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.files import write_text
+from fotsmc_pin.notebook import page_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -71,6 +72,8 @@ class Arm(JointNumbers):
     def __repr__(self) -> str:
         """Name and size; the URDF itself would fill pages."""
         return f"Arm({self.name!r}, nq={self.nq}, nv={self.nv}, tool_frame={self.tool_frame!r})"
+
+    _repr_html_ = page_of
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle as text: Pinocchio's objects are rebuilt when it is loaded."""

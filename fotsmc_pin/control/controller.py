@@ -22,6 +22,7 @@ from fotsmc_pin.control.rows import NoRows, new_table, rows, signal_views
 from fotsmc_pin.control.saved_state import restore, saved
 from fotsmc_pin.copying import SharesNothing
 from fotsmc_pin.errors import MeasurementError
+from fotsmc_pin.notebook import page_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -234,6 +235,8 @@ class Controller(SharesNothing, ABC, Generic[G]):
         """Name the law, the arm, the period and the gains."""
         gains = ", ".join(f"{name}={value}" for name, value in self.gains.as_dict().items())
         return f"{type(self).__name__}({self.arm.name}, dt={self.dt:g}, {gains})"
+
+    _repr_html_ = page_of
 
     def __getstate__(self) -> dict[str, Any]:
         """Return what makes the controller, without the views and the code that `_link` makes."""

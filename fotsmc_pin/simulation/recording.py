@@ -102,8 +102,7 @@ class Recording:
         size = f"{len(self)} rows over {span}, {self.arm.nv} joints{lost}"
         return f"<Recording of {law} on {self.arm.name}: {size}>"
 
-    def _repr_html_(self) -> str | None:
-        return page_of(self)
+    _repr_html_ = page_of
 
     def save(self, path: str | os.PathLike[str], *, progress: Progress = False) -> None:
         """Write everything into one `.npz` file, without pickle, whole or not at all.

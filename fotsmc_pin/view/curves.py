@@ -31,14 +31,19 @@ def thinned_curves(
         return t, columns
     inner = np.arange(1, len(t) - 1)
     width = -(-len(inner) // ((rows_at_most - 2) // 2))
-    starts = np.arange(1, len(t) - 1, width)
     times, values = [t[:1]], [columns[:1]]
-    for start in starts:
-        stretch = columns[start : min(start + width, len(t) - 1)]
-        low, high = stretch.min(axis=0), stretch.max(axis=0)
-        falling = stretch.argmax(axis=0) < stretch.argmin(axis=0)
-        values.append(np.stack([np.where(falling, high, low), np.where(falling, low, high)]))
-        times.append(t[[start, start + len(stretch) // 2]])
+    whole = len(inner) // width * width
+    for start, stop in ((1, 1 + whole), (1 + whole, len(t) - 1)):
+        if start == stop:
+            continue
+        size = min(width, stop - start)
+        stretches = columns[start:stop].reshape(-1, size, columns.shape[1])
+        low, high = stretches.min(axis=1), stretches.max(axis=1)
+        falling = stretches.argmax(axis=1) < stretches.argmin(axis=1)
+        pair = [np.where(falling, high, low), np.where(falling, low, high)]
+        values.append(np.stack(pair, axis=1).reshape(-1, columns.shape[1]))
+        begins = np.arange(start, stop, size)
+        times.append(t[np.stack([begins, begins + size // 2], axis=1).ravel()])
     times.append(t[-1:])
     values.append(columns[-1:])
     return np.concatenate(times), np.concatenate(values)

@@ -138,9 +138,8 @@ def _run(shot: Shot, signals: Sequence[str] | None, pack: Pack) -> dict[str, Any
         signals = [name for name in ("s",) if name in recording.signals]
     columns = {"e": recording.e, "tau": recording.tau}
     columns |= {f"signals.{name}": recording.signals[name] for name in signals}
-    times, thin = thinned_curves(recording.t, np.hstack(list(columns.values())))
-    ends = np.cumsum([table.shape[1] for table in columns.values()])[:-1]
-    curves = dict(zip(columns, np.split(thin, ends, axis=1), strict=True))
+    thin = {name: thinned_curves(recording.t, table) for name, table in columns.items()}
+    times, curves = thin["e"][0], {name: table for name, (_, table) in thin.items()}
     whole = len(times) == len(recording.t)
     # Thinned curves keep extremes but not instants; then the numbers of each frame go along.
     sampled = {} if whole else {n: pack.add(columns[n][rows].T) for n in ("e", "tau")}

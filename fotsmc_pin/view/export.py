@@ -11,16 +11,22 @@ from typing import Any, Literal, TypeAlias
 from fotsmc_pin.checks import choice, finite_number
 from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.files import write_text
+from fotsmc_pin.progress import Progress, reporting
 from fotsmc_pin.simulation import Recording
+from fotsmc_pin.view.about_run import diverged_runs, lead, payloads, run_facts
 from fotsmc_pin.view.document import Shot, document, shots_of
 from fotsmc_pin.view.pack import Pack
 from fotsmc_pin.view.page import facts_list, page
-from fotsmc_pin.view.palette import GHOST_COLOR, RUN_COLORS
+from fotsmc_pin.view.palette import GHOST_COLOR, PAYLOAD_COLOR, RUN_COLORS
 
 Recordings: TypeAlias = (
     Recording | str | PathLike[str] | Sequence[Recording] | Mapping[str, Recording]
 )
 """A recording, the path of a saved one, several, or several by name."""
+
+
+OVERLAID_AT_MOST = 2
+"""More arms than this in one place hide each other."""
 
 
 def export_html(
@@ -38,6 +44,7 @@ def export_html(
     play: bool = True,
     signals: Sequence[str] | None = None,
     theme: Literal["auto", "light", "dark"] = "auto",
+    progress: Progress = False,
 ) -> Path:
     """Write an animation of one or several runs into a single HTML file.
 
@@ -54,8 +61,9 @@ def export_html(
         title: heading of the page; None names the arm.
         ghost: whether the reference shows at the start.
         paths: whether the tool's paths grow with time, are shown whole, or not at all.
-        layout: whether several arms stand in one place or next to each other; "auto" puts runs of
-            equal length of chain in one place.
+        layout: whether several arms stand in one place or next to each other; "auto" puts two runs
+            of one arm in one place, and others next to each other. Where arms in one place
+            coincide, the first run's is seen.
         quality: "compact" thins fine meshes so that the file stays small; "full" keeps every
             triangle, and the pictures that COLLADA meshes bear.
         rate: frames per second of the run [1/s]; long runs get fewer.
@@ -65,6 +73,7 @@ def export_html(
             motion has to press play.
         signals: names of the recorded signals to plot; None takes "s" where there is one.
         theme: "light", "dark", or "auto" to follow the reader's system.
+        progress: True shows a bar on standard error; a callable is told the fraction done.
 
     Returns:
         The path that was written.
@@ -76,7 +85,6 @@ def export_html(
         OSError: the file cannot be written.
     """
     recordings = named_recordings(rec)
-    first = next(iter(recordings.values()))
     options = {
         "ghost": bool(ghost),
         "paths": choice("paths", paths, ("growing", "whole", "off")),
@@ -88,26 +96,42 @@ def export_html(
         "signals": _known_signals(signals, recordings),
     }
     choice("layout", layout, ("auto", "overlay", "side by side"))
-    same_arm = len({recording.arm.joint_names for recording in recordings.values()}) == 1
-    shots = shots_of(
-        recordings,
-        rate=finite_number("rate", rate, above=0.0, at_most=1000.0),
-        quality=quality,
-        side_by_side=layout == "side by side" or (layout == "auto" and not same_arm),
-    )
-    pack = Pack()
-    held = document(shots, options, pack)
-    texts = {
+    joints = {recording.arm.joint_names for recording in recordings.values()}
+    apart = len(joints) > 1 or len(recordings) > OVERLAID_AT_MOST
+    with reporting(progress, f"Writing {Path(path).name}") as report:
+        shots = shots_of(
+            recordings,
+            rate=finite_number("rate", rate, above=0.0, at_most=1000.0),
+            quality=quality,
+            side_by_side=layout == "side by side" or (layout == "auto" and apart),
+        )
+        report(0.6)
+        pack = Pack()
+        held = document(shots, options, pack)
+        report(0.8)
+        write_text(path, page(held, pack.text(), _texts(recordings, shots, title)))
+        report(1.0)
+    return Path(path)
+
+
+def _texts(
+    recordings: Mapping[str, Recording], shots: Sequence[Shot], title: str | None
+) -> dict[str, str]:
+    """Return the words of a page around its numbers."""
+    units = [unit for recording in recordings.values() for unit in recording.arm.position_units]
+    efforts = [unit for recording in recordings.values() for unit in recording.arm.effort_units]
+    return {
         "generator": "fotsmc_pin",
         "title": title or " and ".join(dict.fromkeys(r.arm.name for r in recordings.values())),
         "subtitle": " · ".join(recordings),
-        "error_unit": _unit(first.arm.position_units),
-        "torque_unit": _unit(first.arm.effort_units),
+        "error_unit": _heading("", units),
+        "torque_unit": _heading("Torque", efforts)
+        if "rad" in units
+        else _heading("Force", efforts),
+        "notice": _notice(recordings),
         "key": _key(shots),
-        "facts": facts_list(_facts(recordings)),
+        "facts": _about(recordings),
     }
-    write_text(path, page(held, pack.text(), texts))
-    return Path(path)
 
 
 def named_recordings(rec: Recordings) -> dict[str, Recording]:
@@ -157,45 +181,41 @@ def _known_signals(
     return list(signals)
 
 
-def _unit(units: Sequence[str]) -> str:
-    return ", ".join(dict.fromkeys(units))
+def _heading(what: str, units: Sequence[str]) -> str:
+    """Return a heading with its unit; with two units, each value tells its own."""
+    found = [*dict.fromkeys(units)]
+    return f"{what} [{found[0]}]" if len(found) == 1 else what
 
 
 def _key(shots: Sequence[Shot]) -> str:
-    """Return the legend of the 3D view as HTML."""
+    """Return the legend of the 3D view as HTML; it tells the payloads too."""
     entries = [
-        f'<li><i class="line" style="background:{color}"></i>{html.escape(shot.name)}</li>'
+        (color, "line", ", ".join([shot.name, *(payloads(shot.recording.arm) if several else ())]))
+        for several in [len(shots) > 1]
         for shot, color in zip(shots, RUN_COLORS * len(shots), strict=False)
     ]
-    entries.append(f'<li><i class="line" style="background:{GHOST_COLOR}"></i>reference</li>')
-    return "".join(entries)
+    if len(shots) == 1:
+        entries += [(PAYLOAD_COLOR, "dot", words) for words in payloads(shots[0].recording.arm)]
+    entries.append((GHOST_COLOR, "line", "reference"))
+    return "".join(
+        f'<li><i class="{shape}" style="background:{color}"></i>{html.escape(words)}</li>'
+        for color, shape, words in entries
+    )
 
 
-def _facts(recordings: Mapping[str, Recording]) -> list[tuple[str, str]]:
-    facts = []
-    for name, recording in recordings.items():
-        arm = recording.arm
-        prefix = f"{name}: " if len(recordings) > 1 else ""
-        facts.append((f"{prefix}arm", f"{arm.name}, {arm.nv} joints"))
-        facts += [(f"{prefix}arm changed", change) for change in arm.changes]
-        facts += [(prefix + key, value) for key, value in _flat(recording.metadata)]
-    return facts
+def _notice(recordings: Mapping[str, Recording]) -> str:
+    """Return, as HTML, which runs diverged."""
+    lines = [
+        (f"{name}: " if len(recordings) > 1 else "") + words
+        for name, words in diverged_runs(recordings)
+    ]
+    return f'<p class="warning" role="alert">{html.escape(" ".join(lines))}</p>' if lines else ""
 
 
-def _flat(metadata: Mapping[str, Any], prefix: str = "") -> list[tuple[str, str]]:
-    """Return nested metadata as lines of name and value."""
-    lines = []
-    for key, value in metadata.items():
-        if isinstance(value, Mapping):
-            lines += _flat(value, f"{prefix}{key}.")
-        elif value is not None and value != "":
-            lines.append((f"{prefix}{key}", _text(value)))
-    return lines
-
-
-def _text(value: Any) -> str:
-    if isinstance(value, float):
-        return f"{value:g}"
-    if isinstance(value, (list, tuple)):
-        return ", ".join(_text(item) for item in value)
-    return str(value)
+def _about(recordings: Mapping[str, Recording]) -> str:
+    return facts_list(
+        [
+            (name if len(recordings) > 1 else "", lead(recording), run_facts(recording))
+            for name, recording in recordings.items()
+        ]
+    )

@@ -8,7 +8,7 @@ import numpy as np
 
 from fotsmc_pin.checks import choice
 from fotsmc_pin.view.curves import thinned_curves
-from fotsmc_pin.view.palette import BLACK, COLORS, VERMILLION
+from fotsmc_pin.view.palette import BLACK, COLORS, GREY
 from fotsmc_pin.view.style import label_axis, label_time, legend_above, new_figure, paper_style
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 POINTS_AT_MOST = 4000
 INSET_WIDTH, INSET_HEIGHT = 0.54, 0.46
 REFERENCE: dict[str, Any] = {"color": BLACK, "linestyle": (0, (4, 2)), "linewidth": 0.9}
-LIMIT: dict[str, Any] = {"color": VERMILLION, "linestyle": (0, (1, 1.5)), "linewidth": 0.9}
+LIMIT: dict[str, Any] = {"color": GREY, "linestyle": (0, (1, 1.5)), "linewidth": 0.9}
 
 
 def tracking_figure(recording: Recording, joints: Sequence[int] | None = None) -> Figure:
@@ -209,7 +209,7 @@ def draw_limits(axes: Axes, recording: Recording, joint: int) -> None:
         for sign in (1, -1):
             axes.axhline(sign * limit, **LIMIT)
     text = f"limit ±{limit:g} {recording.arm.effort_units[joint]}"
-    axes.set_title(text, loc="right", fontsize=6.5, color=VERMILLION, pad=2)
+    axes.set_title(text, loc="right", fontsize=6.5, color=GREY, pad=2)
 
 
 def line_style(index: int) -> dict[str, Any]:

@@ -25,9 +25,9 @@ def page(document: Mapping[str, Any], arrays: str, texts: Mapping[str, str]) -> 
         document: what the page shows; see `fotsmc_pin.view.document`.
         arrays: the packed arrays that the document refers to.
         texts: `generator`, `title`, `subtitle`, `error_unit` and `torque_unit` as plain text;
-            `key` and `facts` as HTML.
+            `notice`, `key` and `facts` as HTML.
     """
-    markup = {"key", "facts"}
+    markup = {"notice", "key", "facts"}
     parts = {name: text if name in markup else html.escape(text) for name, text in texts.items()}
     own = "\n".join((ASSETS / f"{name}.js").read_text("utf-8") for name in SCRIPTS)
     parts |= {
@@ -53,10 +53,24 @@ def in_script(text: str) -> str:
     return text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
 
 
-def facts_list(facts: Sequence[tuple[str, str]]) -> str:
-    """Return a folded list of names and values as HTML."""
-    rows = "".join(f"<dt>{html.escape(k)}</dt><dd>{html.escape(v)}</dd>" for k, v in facts)
-    return f"<details><summary>About this run</summary><dl>{rows}</dl></details>" if rows else ""
+def facts_list(about: Sequence[tuple[str, str, Sequence[tuple[str, Sequence[str]]]]]) -> str:
+    """Return what is known of the runs as folded HTML.
+
+    Args:
+        about: for each run its heading (empty for a run alone), a sentence, and names with words.
+    """
+    parts = [
+        (f"<h2>{html.escape(name)}</h2>" if name else "")
+        + f"<p>{html.escape(sentence)}</p><dl>"
+        + "".join(
+            f"<dt>{html.escape(key)}</dt><dd>{'<br>'.join(map(html.escape, words))}</dd>"
+            for key, words in facts
+        )
+        + "</dl>"
+        for name, sentence, facts in about
+    ]
+    title = "About this run" if len(about) == 1 else "About these runs"
+    return f"<details><summary>{title}</summary>{''.join(parts)}</details>"
 
 
 def meshcat_script() -> str:

@@ -1,4 +1,4 @@
-"""What a folder of results holds: runs, numbers, claims and figures, as `fotsmc` writes them."""
+"""What a folder of results holds: runs, metrics, tables and figures, as `fotsmc` writes them."""
 
 from __future__ import annotations
 
@@ -8,13 +8,25 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fotsmc_pin.analysis import summarize
+from fotsmc_pin.analysis import summarize_by_unit
 from fotsmc_pin.errors import RecordingError
+from fotsmc_pin.evaluation.studies import StudyResult
+from fotsmc_pin.evaluation.studies.store import Store
 from fotsmc_pin.simulation import Recording
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Mapping
+
+STUDY, STRESS = "study.sqlite", "stress.json"
+TEXTS = {
+    "claims.md": "Claims",
+    "comparison.md": "Comparison",
+    "stress.md": "Stress suite",
+    "front.md": "Front of the search",
+    "margins.md": "Margins",
+}
+"""Texts in a folder that a report shows, and what it calls them."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -24,63 +36,99 @@ class Results:
     Attributes:
         folder: where it lies.
         runs: recordings by the names of their files, the endings left off.
-        summaries: metrics of each run by name; more runs than were recorded, where a comparison
-            kept only the metrics.
+        summaries: metrics of each run by name and by the unit of the joints' position, "rad" or
+            "m"; more runs than were recorded, where a comparison kept only the metrics.
         titles: what to call a run of `summaries`, where its name alone says too little.
-        claims: text of `claims.md`, empty where there is none.
-        comparison: text of `comparison.md`, empty where there is none.
-        pictures: figures in SVG.
+        texts: what `TEXTS` names, by heading.
+        pictures: figures, in SVG where there is one, else PNG.
+        study: the runs of a study, or None.
+        stress: the rows of `stress.json`.
     """
 
     folder: Path
     runs: Mapping[str, Recording]
-    summaries: Mapping[str, Mapping[str, Any]]
+    summaries: Mapping[str, Mapping[str, Mapping[str, Any]]]
     titles: Mapping[str, str]
-    claims: str
-    comparison: str
+    texts: Mapping[str, str]
     pictures: tuple[Path, ...]
+    study: StudyResult | None
+    stress: tuple[Mapping[str, Any], ...]
 
 
 def read_results(folder: str | os.PathLike[str]) -> Results:
-    """Read a folder that `fotsmc simulate`, `fotsmc reproduce` or a comparison has written.
+    """Read a folder that a command has written, or one of saved runs.
 
     Raises:
-        RecordingError: the folder holds no run, or a damaged one, or a damaged `metrics.json`.
+        RecordingError: the folder holds no result, or a damaged one, or a damaged `metrics.json`
+            or `stress.json`.
+        StudyError: a damaged store of a study.
         FileNotFoundError: there is no such folder.
     """
     place = Path(folder)
     files = sorted(path for path in place.iterdir() if path.is_file())
     runs = {path.stem: Recording.load(path) for path in files if path.suffix == ".npz"}
-    if not runs:
+    metrics = _json(place / "metrics.json", "runs", dict)
+    texts = {name: text for file, name in TEXTS.items() if (text := _text(place / file))}
+    study = _study(place / STUDY)
+    stress = _json(place / STRESS, "rows", list).get("rows", [])
+    if not (runs or study or stress or texts):
         raise RecordingError(f"{folder}: holds no run; give the folder that a command wrote")
-    metrics = _metrics(place / "metrics.json")
-    several = metrics.get("runs", {})
-    summaries: dict[str, Mapping[str, Any]] = dict(several)
-    if not several:
-        summaries = {name: summarize(rec).as_dict() for name, rec in runs.items()}
-        if len(runs) == 1:
-            summaries[next(iter(runs))] |= metrics  # type: ignore[operator]
     return Results(
         folder=place,
         runs=runs,
-        summaries=summaries,
+        summaries=_summaries(runs, metrics),
         titles=metrics.get("experiments", {}),
-        claims=_text(place / "claims.md"),
-        comparison=_text(place / "comparison.md"),
-        pictures=tuple(path for path in files if path.suffix == ".svg"),
+        texts=texts,
+        pictures=tuple(path for path in files if _is_picture(path)),
+        study=study,
+        stress=tuple(stress),
     )
 
 
-def _metrics(path: Path) -> dict[str, Any]:
+def _summaries(
+    runs: Mapping[str, Recording], metrics: Mapping[str, Any]
+) -> dict[str, dict[str, Mapping[str, Any]]]:
+    """Return the metrics on disk where a comparison wrote them, else those of the recordings.
+
+    A file of one run adds what the recording alone does not tell, such as errors of the tool.
+    """
+    if metrics.get("runs"):
+        return {name: {"rad": summary} for name, summary in metrics["runs"].items()}
+    found: dict[str, dict[str, Mapping[str, Any]]] = {
+        name: {unit: part.as_dict() for unit, part in summarize_by_unit(rec).items()}
+        for name, rec in runs.items()
+    }
+    if len(runs) == 1 and metrics:
+        (kinds,) = found.values()
+        unit, first = next(iter(kinds.items()))
+        kinds[unit] = {**metrics, **first} if len(kinds) > 1 else {**first, **metrics}
+    return found
+
+
+def _study(path: Path) -> StudyResult | None:
+    if not path.is_file():
+        return None
+    with Store(path) as store:
+        rows = store.read(sorted(store.finished()))
+    return StudyResult(tuple(rows)) if rows else None
+
+
+def _is_picture(path: Path) -> bool:
+    return path.suffix == ".svg" or (
+        path.suffix == ".png" and not path.with_suffix(".svg").exists()
+    )
+
+
+def _json(path: Path, key: str, kind: type) -> dict[str, Any]:
     if not path.is_file():
         return {}
     try:
-        metrics = json.loads(path.read_text("utf-8"))
+        found = json.loads(path.read_text("utf-8"))
     except ValueError as error:
         raise RecordingError(f"{path}: damaged ({error})") from error
-    if not isinstance(metrics, dict) or not isinstance(metrics.get("runs", {}), dict):
+    if not isinstance(found, dict) or not isinstance(found.get(key, kind()), kind):
         raise RecordingError(f"{path}: not a file of metrics by name")
-    return metrics
+    return found
 
 
 def _text(path: Path) -> str:

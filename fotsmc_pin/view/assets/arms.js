@@ -59,7 +59,8 @@ class Path {
 }
 
 class Run {
-  constructor(scene, run, several, { size, view }) {
+  constructor(scene, run, { index, count }, { size, view }) {
+    const several = count > 1;
     this.run = run;
     this.root = new THREE.Group();
     this.root.position.fromArray(run.offset);
@@ -70,7 +71,7 @@ class Run {
     const paints = new Map();
     const paint = (rgba, image) => {
       const key = `${rgba.join()} ${image?.uuid}`;
-      if (!paints.has(key)) paints.set(key, linkMaterial(rgba, several ? this.color : null, image));
+      if (!paints.has(key)) paints.set(key, linkMaterial(rgba, several ? this.color : null, image, behind(index)));
       return paints.get(key);
     };
     const dressed = ({ paint: runs, skin }) => runs.map(({ rgba }, k) => paint(rgba, skin?.images[k] ?? null));
@@ -81,7 +82,7 @@ class Run {
       body.add(mesh);
     });
     if (run.frames.ghost) {
-      const layers = ghostMaterials(ghostColor);
+      const layers = ghostMaterials(ghostColor, count);
       this.ghost = new Figure(this.root, run, run.frames.ghost, (visual, body) => {
         layers.forEach((material, layer) => {
           const mesh = new THREE.Mesh(visual.geometry, material);
@@ -91,11 +92,11 @@ class Run {
       });
     }
     const rows = run.frames.t.length;
-    const line = (color) => new THREE.MeshBasicMaterial({ color, toneMapped: false });
-    this.path = new Path(this.root, run.frames.tool, rows, 0.0032 * size, line(this.color));
+    const line = (color, place) => new THREE.MeshBasicMaterial({ color, toneMapped: false, ...behind(place) });
+    this.path = new Path(this.root, run.frames.tool, rows, 0.0032 * size, line(this.color, index));
     if (run.frames.tool_d) {
       const thin = 0.0022 * size;
-      this.reference = new Path(this.root, run.frames.tool_d, rows, thin, line(ghostColor));
+      this.reference = new Path(this.root, run.frames.tool_d, rows, thin, line(ghostColor, count));
     }
   }
 
@@ -114,13 +115,20 @@ class Run {
   }
 }
 
+// Shifts a surface a little away from the eye, by its place in a row: where arms of several runs
+// coincide, the first of them is what is seen, and not a mixture of speckles.
+function behind(place) {
+  return { polygonOffset: place > 0, polygonOffsetFactor: 1.5 * place, polygonOffsetUnits: 6 * place };
+}
+
 // `image` is what `loadImages` made of a picture, or null.
-function linkMaterial([red, green, blue, alpha], tint, image) {
+function linkMaterial([red, green, blue, alpha], tint, image, shift) {
   const color = new THREE.Color(red, green, blue).convertSRGBToLinear();
   if (tint) color.lerp(tint, 0.72);
   return new THREE.MeshStandardMaterial({
     color,
     map: image,
+    ...shift,
     roughness: 0.52,
     metalness: 0.08,
     side: THREE.DoubleSide,
@@ -149,9 +157,10 @@ async function loadImages(meshes) {
 }
 
 // The first layer fills only the depth, so that of the second just the nearest surface shows. Both
-// lie a little behind their true place: where arm and ghost agree, the arm is what is seen.
-function ghostMaterials(ghostColor) {
-  const shift = { polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 8 };
+// lie a little behind their true place, and behind those of all `count` arms: where arm and ghost
+// agree, the arm is what is seen.
+function ghostMaterials(ghostColor, count) {
+  const shift = behind(count + 1);
   const depth = new THREE.MeshBasicMaterial({ colorWrite: false, transparent: true, ...shift });
   const color = new THREE.MeshStandardMaterial({
     color: ghostColor,

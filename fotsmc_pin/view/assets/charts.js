@@ -1,5 +1,7 @@
 // The plots under the arm: uPlot charts with one playhead, which can be dragged.
 
+const CHART_HEIGHT = 164;
+
 class Chart {
   constructor(parent, kind, onSeek) {
     this.kind = kind;
@@ -50,7 +52,7 @@ class Chart {
     };
     return {
       width: this.width(),
-      height: 150,
+      height: CHART_HEIGHT,
       legend: { show: false },
       padding: [6, 10, 0, 0],
       cursor: { drag: { x: false, y: false }, points: { show: false }, y: false, x: true },
@@ -61,7 +63,7 @@ class Chart {
           : { range: (_, low, high) => linearRange(low, high, limits) },
       },
       axes: [
-        { ...axis, size: 26, gap: 3, values: (_, ticks) => ticks.map((v) => `${+v.toFixed(6)}`) },
+        { ...axis, size: 24, gap: 3, label: "time [s]", labelSize: 15, labelGap: 0, labelFont: axis.font, values: (_, ticks) => ticks.map((v) => `${+v.toFixed(6)}`) },
         {
           ...axis,
           size: 58,
@@ -115,7 +117,7 @@ class Chart {
 
   resize() {
     if (!this.plot || this.plot.width === this.width()) return;
-    this.plot.setSize({ width: this.width(), height: 150 });
+    this.plot.setSize({ width: this.width(), height: CHART_HEIGHT });
     this.seek(this.time);
   }
 }

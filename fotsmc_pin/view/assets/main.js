@@ -12,10 +12,9 @@ async function start() {
   const stage = new Stage(page.scene, data.view);
   await loadImages(data.meshes);
   data.meshes.forEach((mesh) => (mesh.geometry = meshGeometry(mesh)));
-  const several = data.runs.length > 1;
-  const runs = data.runs.map((run) => {
+  const runs = data.runs.map((run, index) => {
     run.visuals.forEach((visual) => Object.assign(visual, { mesh: data.meshes[visual.mesh], geometry: data.meshes[visual.mesh].geometry }));
-    return new Run(stage.root, run, several, stage);
+    return new Run(stage.root, run, { index, count: data.runs.length }, stage);
   });
   const look = { time: 0, ghost: data.options.ghost, paths: data.options.paths };
   const readout = new Readout(page, runs, (time) => player.seek(time));

@@ -16,9 +16,10 @@ class Readout {
     const data = runs[0].run;
     this.names = Object.keys(data.charts.signals);
     this.signal = this.names[0];
-    this.charts = Object.fromEntries(
-      ["error", "torque", "signal"].map((kind) => [kind, new Chart(page.charts, kind, onSeek)])
-    );
+    // Radians and metres, newton-metres and newtons have no axis in common: a chart for each unit.
+    this.units = [...new Set(runs.flatMap(({ run }) => run.units.position))];
+    const kinds = [...["error", "torque"].flatMap((kind) => this.units.map((unit) => `${kind} ${unit}`)), "signal"];
+    this.charts = Object.fromEntries(kinds.map((kind) => [kind, new Chart(page.charts, kind, onSeek)]));
     this.charts.signal.host.hidden = this.names.length === 0;
     this.page = page;
     this.controls();
@@ -64,8 +65,19 @@ class Readout {
     return JOINT_COLORS[document.documentElement.dataset.shade];
   }
 
-  // One line per joint of a single run, or one per run.
-  lines(quantity) {
+  // Numbers of a run's joints whose position is in `unit`; of all joints without one.
+  jointsOf({ run }, unit) {
+    const all = run.joints.map((_, j) => j);
+    return unit ? all.filter((j) => run.units.position[j] === unit) : all;
+  }
+
+  effortUnit(unit) {
+    const { run } = this.runs.find(({ run }) => run.units.position.includes(unit));
+    return run.units.effort[run.units.position.indexOf(unit)];
+  }
+
+  // One line per joint of a single run, or one per run; of the joints in `unit`.
+  lines(quantity, unit) {
     const colors = this.palette();
     const rows = ({ run }) => run.charts.t.length;
     const table = ({ run }) => (quantity === "signal" ? run.charts.signals[this.signal] : run.charts[quantity]);
@@ -75,13 +87,16 @@ class Readout {
       return names
         .map((label, j) => ({ label, color: colors[j % colors.length], t: only.run.charts.t, j,
           y: column(columns, j, rows(only)) }))
-        .filter(({ j }) => this.joint < 0 || names.length <= this.joint || j === this.joint);
+        .filter(({ j }) => this.joint < 0 || names.length <= this.joint || j === this.joint)
+        .filter(({ j }) => !unit || this.jointsOf(only, unit).includes(j));
     }
+    const joints = (run) => (unit ? this.jointsOf(run, unit) : null);
+    const has = (run) => !unit || (this.joint < 0 ? joints(run).length > 0 : joints(run).includes(this.joint));
     return this.runs
-      .filter((run) => run.shown && table(run)?.length > Math.max(this.joint, 0) * rows(run))
+      .filter((run) => run.shown && has(run) && table(run)?.length > Math.max(this.joint, 0) * rows(run))
       .map((run) => ({
         label: run.run.name, color: run.run.color, t: run.run.charts.t,
-        y: this.joint < 0 ? norm(table(run), rows(run)) : column(table(run), this.joint, rows(run)),
+        y: this.joint < 0 ? norm(table(run), rows(run), joints(run)) : column(table(run), this.joint, rows(run)),
       }));
   }
 
@@ -92,36 +107,41 @@ class Readout {
     return { names, columns };
   }
 
-  limits() {
+  limits(unit) {
     const { effort_limit: limit } = this.runs[0].run;
     const colors = this.palette();
     const muted = getComputedStyle(document.documentElement).getPropertyValue("--muted").trim();
     const signed = (value, color, always) => (value === null ? [] : [1, -1].map((s) => ({ value: s * value, color, always })));
     if (this.joint >= 0) return signed(limit[this.joint], this.several ? muted : colors[this.joint % colors.length], true);
     if (this.several) return [];
-    const sharing = (value) => limit.filter((other) => other === value).length;
-    return limit.flatMap((value, j) =>
-      limit.indexOf(value) < j ? [] : signed(value, sharing(value) > 1 ? muted : colors[j % colors.length], false)
+    const joints = this.jointsOf(this.runs[0], unit);
+    const sharing = (value) => joints.filter((j) => limit[j] === value);
+    return joints.flatMap((j) =>
+      sharing(limit[j])[0] < j ? [] : signed(limit[j], sharing(limit[j]).length > 1 ? muted : colors[j % colors.length], false)
     );
   }
 
-  limitNote() {
+  limitNote(unit) {
     const { effort_limit: limit } = this.runs[0].run;
-    const value = this.joint >= 0 ? limit[this.joint] : limit[0];
-    const one = this.joint >= 0 || (!this.several && limit.every((other) => other === value));
+    const joints = this.jointsOf(this.runs[0], unit);
+    const value = limit[this.joint >= 0 ? this.joint : joints[0]];
+    const one = this.joint >= 0 || (!this.several && joints.every((j) => limit[j] === value));
     return one && value !== null ? `, limit ±${shortNumber(value)}` : "";
   }
 
   draw(time = this.time) {
     this.time = time;
-    const { units } = this.runs[0].run;
-    const unit = (list) => (this.joint >= 0 ? list[this.joint] : [...new Set(list)].join(", "));
     const of = this.several && this.joint < 0 ? "Norm of the " : "";
     const named = (text) => (of ? of + text.toLowerCase() : text);
-    const content = {
-      error: { title: named("Tracking error"), unit: unit(units.position), lines: this.lines("e"), limits: [], log: this.log },
-      torque: { title: named("Torque"), unit: unit(units.effort), lines: this.lines("tau"), limits: this.limits(), log: false, note: this.limitNote() },
-    };
+    const content = {};
+    for (const unit of this.units) {
+      const effort = unit === "m" ? "Force" : "Torque";
+      content[`error ${unit}`] = { title: named("Tracking error"), unit, lines: this.lines("e", unit), limits: [], log: this.log };
+      content[`torque ${unit}`] = {
+        title: named(effort), unit: this.effortUnit(unit), lines: this.lines("tau", unit),
+        limits: this.limits(unit), log: false, note: this.limitNote(unit),
+      };
+    }
     if (this.signal) {
       const title = this.signal === "s" ? named("Sliding variable s") : named(`Signal ${this.signal}`);
       content.signal = { title, unit: "–", lines: this.lines("signal"), limits: [], log: false };
@@ -189,28 +209,37 @@ class Readout {
     Object.values(this.charts).forEach((chart) => chart.seek(time));
     this.cells.forEach(({ cells }, index) => {
       const run = this.several ? index : 0;
-      const limit = this.runs[run].run.effort_limit;
-      const pick = (list) => {
+      const { effort_limit: limit, units } = this.runs[run].run;
+      // With one unit the column's heading tells it; with two, each value does.
+      const mixed = this.units.length > 1;
+      const pick = (list, unitOf) => {
         const joint = this.several ? this.joint : index;
-        return joint < 0 ? Math.hypot(...list) : list[joint];
+        const told = (value, j) => shortNumber(value) + (mixed ? ` ${unitOf[j]}` : "");
+        if (joint >= 0) return told(list[joint], joint);
+        return this.units
+          .map((unit) => this.jointsOf(this.runs[run], unit))
+          .filter((joints) => joints.length)
+          .map((joints) => told(Math.hypot(...joints.map((j) => list[j])), joints[0]))
+          .join(", ");
       };
       const tau = this.values(run, "tau", time);
       const used = tau.map((value, j) => (limit[j] ? Math.abs(value) / limit[j] : NaN));
       const joint = this.several ? this.joint : index;
       const share = joint < 0 ? Math.max(...used.filter(Number.isFinite), 0) : used[joint];
-      cells[0].textContent = shortNumber(pick(this.values(run, "e", time)));
-      cells[1].textContent = shortNumber(pick(tau));
+      cells[0].textContent = pick(this.values(run, "e", time), units.position);
+      cells[1].textContent = pick(tau, units.effort);
       cells[2].textContent = Number.isFinite(share) ? `${Math.round(100 * share)} %` : "–";
     });
   }
 }
 
-function norm(columns, rows) {
+// Euclidean norm of some columns, all without `joints`, row by row.
+function norm(columns, rows, joints) {
   const result = new Float32Array(rows);
-  const count = columns.length / rows;
+  const chosen = joints ?? Array.from({ length: columns.length / rows }, (_, j) => j);
   for (let i = 0; i < rows; i++) {
     let sum = 0;
-    for (let j = 0; j < count; j++) sum += columns[j * rows + i] ** 2;
+    for (const j of chosen) sum += columns[j * rows + i] ** 2;
     result[i] = Math.sqrt(sum);
   }
   return result;
