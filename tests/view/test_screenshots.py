@@ -1,4 +1,4 @@
-"""Pictures for the eye: pages and reports on a laptop, on a phone, in the dark, and of four runs."""
+"""Pictures for the eye: pages and reports on a laptop, on a phone, in the dark, of four runs."""
 
 from __future__ import annotations
 
