@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from fotsmc_pin import checks
 from fotsmc_pin.errors import ArgumentError
-from fotsmc_pin.evaluation.tuning.minimize import require_optuna, suggested
+from fotsmc_pin.evaluation.tuning.minimize import require_optuna, suggested, trying_anything
 from fotsmc_pin.evaluation.tuning.space import search_space
 
 if TYPE_CHECKING:
@@ -110,7 +110,8 @@ def tune(
         return min(getattr(summary, objective), FAILED), summary.tail_torque_variation
 
     while (done := len(_finished(optuna, search))) < trials:
-        search.optimize(cost, n_trials=1)
+        with trying_anything():
+            search.optimize(cost, n_trials=1)
         if progress is not None:
             progress((done + 1) / trials)
     return sorted(

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import warnings
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from fotsmc_pin import checks
+from fotsmc_pin.control import TickWarning
 from fotsmc_pin.errors import MissingDependencyError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Iterator, Mapping
     from types import ModuleType
 
     from fotsmc_pin.evaluation.tuning.space import Span
@@ -48,11 +51,20 @@ def minimize(
         if progress is not None:
             progress((trial.number + 1) / trials)
 
-    search.optimize(
-        lambda trial: cost(suggested(trial, space)), n_trials=trials, callbacks=[report]
-    )
+    with trying_anything():
+        search.optimize(
+            lambda trial: cost(suggested(trial, space)), n_trials=trials, callbacks=[report]
+        )
     best: dict[str, float] = search.best_params
     return best
+
+
+@contextmanager
+def trying_anything() -> Iterator[None]:
+    """Let the block make controllers whose gains nobody would choose, without a word."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", TickWarning)
+        yield
 
 
 def suggested(trial: Any, space: Mapping[str, Span]) -> dict[str, float]:
