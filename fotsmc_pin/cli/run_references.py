@@ -6,9 +6,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from fotsmc_pin.checks import did_you_mean
 from fotsmc_pin.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -56,6 +53,7 @@ def task(word: str, arm: Arm) -> Task:
         ArgumentError: an unknown word, or one that does not fit the arm.
         FileNotFoundError: no such CSV file.
     """
+    from fotsmc_pin.checks import did_you_mean
     from fotsmc_pin.references import Hold, Sinusoid, Spline
 
     if word == "sine":
@@ -96,7 +94,7 @@ def point_to_point(arm: Arm) -> Quintic:
     for attempt in range(12):
         ends = [arm.integrate(sine.center, side * reach) for side in (-1.0, 1.0)]
         fastest = 0.5 * arm.velocity_limit
-        speed = 1.875 * 2.0 * float(np.max(reach / fastest))  # The quintic's peak is 15/8.
+        speed = 1.875 * 2.0 * float((reach / fastest).max())  # The quintic's peak is 15/8.
         path = Quintic.through(arm, ends, times=[0.0, max(seconds, speed)])
         if not broken_limits(arm, path, samples=200, effort_share=EFFORT_SHARE):
             return path
@@ -105,6 +103,8 @@ def point_to_point(arm: Arm) -> Quintic:
 
 
 def _paper(arm: Arm) -> Task:
+    import numpy as np
+
     from fotsmc_pin.paper.two_link import DURATION as PAPER_DURATION
     from fotsmc_pin.paper.two_link import Q_START, reference
 

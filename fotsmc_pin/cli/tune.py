@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -141,10 +140,7 @@ def _runner(
 
     def run(gains: dict[str, Any]) -> Summary | None:
         try:
-            with warnings.catch_warnings():  # A search tries what nobody would.
-                warnings.simplefilter("ignore", UserWarning)
-                made = law(arm, DT, **(start | gains))
-            return summarize(scenario.run(made, duration))
+            return summarize(scenario.run(law(arm, DT, **(start | gains)), duration))
         except DivergenceError:
             return None
 

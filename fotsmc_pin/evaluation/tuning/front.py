@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from fotsmc_pin import checks
 from fotsmc_pin.errors import ArgumentError
-from fotsmc_pin.evaluation.tuning.minimize import require_optuna, suggested
+from fotsmc_pin.evaluation.tuning.minimize import require_optuna, suggested, trying_anything
 from fotsmc_pin.evaluation.tuning.space import search_space
 from fotsmc_pin.progress import reporting
 
@@ -111,7 +111,7 @@ def tune(
             return FAILED, FAILED
         return min(getattr(summary, objective), FAILED), summary.tail_torque_variation
 
-    with reporting(progress, f"tuning {law.__name__}") as report:
+    with reporting(progress, f"tuning {law.__name__}") as report, trying_anything():
         while (done := len(_finished(optuna, search))) < trials:
             search.optimize(cost, n_trials=1)
             report((done + 1) / trials)
