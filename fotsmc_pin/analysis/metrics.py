@@ -118,7 +118,7 @@ class Summary:
 
     def __str__(self) -> str:
         """Return a line for each metric, with its value and unit."""
-        told = {name.replace("_", " "): value for name, value in self.as_dict().items()}
+        told = self.as_dict()
         width = max(map(len, told))
         lines = (
             f"{name:<{width}}  {value_with_unit(value, unit)}"

@@ -26,7 +26,10 @@ def report(
     from fotsmc_pin.view import write_report
 
     page = write_report(
-        folder, result_file(out or folder / "report.html", force=force), title=title
+        folder,
+        result_file(out or folder / "report.html", force=force),
+        title=title,
+        progress=True,
     )
     plain_console().print(f"Open {page} in a browser.")
     if open_page:

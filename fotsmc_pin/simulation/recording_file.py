@@ -38,7 +38,7 @@ def write(
     """Write a recording.
 
     The arrays are stored as they are: of the bits of a simulated motion, deflating saves a tenth
-    and takes fifty times as long as writing them. A checksum of each array is stored with it.
+    and takes tens of times as long as writing them. A checksum of each array is stored with it.
 
     Args:
         stream: where to.

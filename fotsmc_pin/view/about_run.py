@@ -55,7 +55,7 @@ def run_facts(rec: Recording) -> list[tuple[str, list[str]]]:
         ("true arm", f"{arm.name}, {counted(arm.nv, 'joint')}: {joints}"),
         ("changed in it", list(arm.changes)),
         ("on loading", list(arm.notes)),
-        ("payload", payloads(arm)),
+        ("payload", [words.removeprefix("payload ") for words in payloads(arm)]),
         ("nominal arm", told.get("nominal_arm")),
         ("control law", told.get("controller")),
         ("preset", told.get("preset")),

@@ -50,7 +50,8 @@ def shots_of(
         recordings: runs by name.
         rate: frames per second of the run [1/s].
         quality: "compact" thins meshes until all runs fit in a small file, "full" does not.
-        side_by_side: whether the arms stand next to each other instead of in one place.
+        side_by_side: whether the arms stand next to each other, from the first one's left to right
+            as the camera sees them, instead of in one place.
     """
     shots: list[Shot] = []
     edge = 0.0
@@ -64,8 +65,10 @@ def shots_of(
         view = framing(arm, looks[arm], moves)
         offset = np.zeros(3)
         if side_by_side:
-            offset[1] = edge - view.low[1] if shots else 0.0
-            edge = float(view.high[1] + offset[1] + GAP * view.reach)
+            aside = shots[0].framing.aside if shots else view.aside
+            left, right = view.extent(aside)
+            offset = (edge - left) * aside if shots else offset
+            edge = float(right + offset @ aside + GAP * view.reach)
         shots.append(
             Shot(
                 name=name,

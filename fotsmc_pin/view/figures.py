@@ -119,23 +119,28 @@ def signal_figure(
 
 
 def overview_figure(recording: Recording) -> Figure:
-    """Error, torque and sliding variable of all joints in three panels."""
+    """Error, torque and sliding variable of all joints, in a panel for each unit."""
     arm = recording.arm
-    panels = [
+    panels = []
+    for quantity, table, units in (
         ("error", recording.e, arm.position_units),
         ("torque", recording.tau, arm.effort_units),
-    ]
+    ):
+        for unit in dict.fromkeys(units):
+            name = "force" if unit == "N" else quantity
+            panels.append((name, table, unit, [j for j, u in enumerate(units) if u == unit]))
     if "s" in recording.signals:
-        panels.append(("s", recording.signals["s"], ("–",)))
+        table = recording.signals["s"]
+        panels.append(("s", table, "–", list(range(table.shape[1]))))
     figure, axes = new_figure(len(panels), 1, width="page")
     with paper_style():
-        for (panel,), (quantity, table, units) in zip(axes, panels, strict=True):
-            for column in range(table.shape[1]):
+        for (panel,), (quantity, table, unit, columns) in zip(axes, panels, strict=True):
+            for column in columns:
                 label = _column_name(recording, table, column)
                 draw(panel, recording.t, table[:, column], label=label, **line_style(column))
-            label_axis(panel, quantity, ", ".join(dict.fromkeys(units)))
-        if recording.arm.nv > 1:
-            legend_above(figure, axes[0, 0])
+            label_axis(panel, quantity, unit)
+        if arm.nv > 1:
+            legend_above(figure, *(row[0] for row in axes))
         label_time(axes)
     return figure
 

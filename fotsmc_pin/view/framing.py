@@ -44,6 +44,17 @@ class Framing:
     reach: float
     floor: float
 
+    @property
+    def aside(self) -> Array:
+        """Unit vector to the camera's right, which lies in the horizontal plane (3,)."""
+        return _unit(np.cross([0.0, 0.0, 1.0], self.direction))
+
+    def extent(self, axis: Array) -> tuple[float, float]:
+        """Return the ends of what the run sweeps along a horizontal axis through the base [m]."""
+        corners = [np.where(choice, self.high, self.low) for choice in np.ndindex(2, 2, 2)]
+        along = np.array(corners) @ axis
+        return float(along.min()), float(along.max())
+
 
 def framing(arm: Arm, visuals: Sequence[Visual], motions: Sequence[Motion]) -> Framing:
     """Choose the view for an arm with these visuals, moving like this."""

@@ -44,7 +44,7 @@ def stress_words(rows: Sequence[Mapping[str, Any]]) -> str:
     """Return how many runs a stress suite has, of how many laws and arms, and how many diverged."""
     laws, arms = ({row.get(key) for row in rows} for key in ("controller", "arm"))
     lost = sum(bool(row.get("diverged")) for row in rows)
-    diverged = f", {lost} diverged" if lost else ""
+    diverged = f", {lost or 'none'} diverged"
     return (
         f"stress suite of {counted(len(rows), 'run')}: {counted(len(laws), 'controller')} on "
         f"{counted(len(arms), 'arm')}{diverged}"

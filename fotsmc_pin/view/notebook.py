@@ -49,7 +49,10 @@ def _(arm: Arm) -> str:
             strict=True,
         )
     ]
-    told = [("tool frame", [arm.tool_frame]), ("payload", payloads(arm))]
+    told = [
+        ("tool frame", [arm.tool_frame]),
+        ("payload", [words.removeprefix("payload ") for words in payloads(arm)]),
+    ]
     told += [("changed", [*arm.changes]), ("on loading", [*arm.notes])]
     table = html_table(["joint", "kind", "position", "speed limit", "effort limit"], rows)
     known = [(name, words) for name, words in told if words]

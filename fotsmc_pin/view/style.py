@@ -101,9 +101,13 @@ def new_figure(
     return figure, axes
 
 
-def legend_above(figure: Figure, axes: Axes) -> None:
-    """Name the curves of `axes` above the figure, on as many rows as its width asks for."""
-    lines, labels = axes.get_legend_handles_labels()
+def legend_above(figure: Figure, *panels: Axes) -> None:
+    """Name the curves of the panels, each once, above the figure, on as many rows as it takes."""
+    named: dict[str, Any] = {}
+    for panel in panels:
+        for line, label in zip(*panel.get_legend_handles_labels(), strict=True):
+            named.setdefault(label, line)
+    labels, lines = [*named], [*named.values()]
     for rows in range(1, len(labels) + 1):
         columns = math.ceil(len(labels) / rows)
         legend = figure.legend(lines, labels, loc="outside upper center", ncols=columns)

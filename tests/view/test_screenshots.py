@@ -1,4 +1,4 @@
-"""Pictures for the eye: pages and reports on a laptop, on a phone, in the dark, of four runs."""
+"""Pictures for the eye: pages and reports on a laptop and a phone, in the dark, of four runs."""
 
 from __future__ import annotations
 
@@ -12,17 +12,6 @@ pytestmark = pytest.mark.browser
 
 LAPTOP = {"width": 1366, "height": 768}
 PHONE = {"width": 390, "height": 844}
-
-GANTRY = """<robot name="gantry">
-<link name="rail"/><link name="bridge">{body}</link><link name="wrist">{body}</link>
-<joint name="slide" type="prismatic"><parent link="rail"/><child link="bridge"/><axis xyz="1 0 0"/>
-<limit lower="-1" upper="1" effort="400" velocity="1"/></joint>
-<joint name="turn" type="revolute"><parent link="bridge"/><child link="wrist"/><axis xyz="0 0 1"/>
-<origin xyz="0 0.2 -0.3"/><limit lower="-2" upper="2" effort="30" velocity="2"/></joint>
-</robot>"""
-BODY = """<inertial><mass value="2"/>
-<inertia ixx=".1" iyy=".1" izz=".1" ixy="0" ixz="0" iyz="0"/></inertial>
-<visual><geometry><box size="0.2 0.1 0.1"/></geometry></visual>"""
 
 
 @pytest.fixture(scope="module")
@@ -44,13 +33,6 @@ def four_runs(panda):
 
 def _fields(rec):
     return {name: value for name, value in vars(rec).items() if name != "error_norm"}
-
-
-@pytest.fixture(scope="module")
-def gantry(make_recording, tmp_path_factory):
-    file = tmp_path_factory.mktemp("gantry") / "gantry.urdf"
-    file.write_text(GANTRY.format(body=BODY))
-    return make_recording(fp.load_arm(file), duration=2.0)
 
 
 def take(page, path):
