@@ -83,7 +83,7 @@ def stress(
 def _ablation(arm: Arm, seed: int, duration: float) -> list[StressRow]:
     from fotsmc_pin.evaluation.stress import ablate, stress_scenario
     from fotsmc_pin.evaluation.stress.scenario import DT
-    from fotsmc_pin.evaluation.stress.table import run_row
+    from fotsmc_pin.evaluation.stress.judging import run_row
 
     scenario = stress_scenario(arm, seed=seed)
     rows = ablate(
@@ -112,7 +112,7 @@ def _best_pid(
     from fotsmc_pin.control import RobustFONFTSM
     from fotsmc_pin.evaluation.stress import best_pid, stress_scenario
     from fotsmc_pin.evaluation.stress.scenario import DT
-    from fotsmc_pin.evaluation.stress.table import run_row
+    from fotsmc_pin.evaluation.stress.judging import run_row
 
     scenario = stress_scenario(arm, seed=seed)
     largest = math.inf

@@ -171,7 +171,7 @@ class FadingOut:
         q_d, v_d, a_d = self.sinusoid(t)
         if t <= self.begin:
             return q_d, v_d, a_d
-        x = arm.difference(q_d, center)
+        x = arm.difference(center, q_d)
         # Backwards in time it is a fade-in: the odd derivative changes its sign.
         g, back, g_dd = fade_in(max(self.end - t, 0.0), self.end - self.begin)
         return (
@@ -179,6 +179,13 @@ class FadingOut:
             g * v_d - back * x,
             g * a_d - 2.0 * back * v_d + g_dd * x,
         )
+
+    def at(self, t: Array) -> tuple[Array, Array, Array]:
+        """Return `q_d` (N, nq), `v_d` and `a_d` (N, nv) at the times `t` (N,) [s]."""
+        if t[-1] <= self.begin:
+            return self.sinusoid.at(t)
+        q_d, v_d, a_d = zip(*(self(moment) for moment in t.tolist()), strict=True)
+        return np.array(q_d), np.array(v_d), np.array(a_d)
 
 
 def _poses(arm: Arm, true: Arm) -> Array:
@@ -205,20 +212,27 @@ def _path(arm: Arm, poses: list[Array]) -> Quintic:
     )
 
 
-def cut(course: Course, duration: float) -> Course:
-    """Return a course that ends earlier, with the spans that are left of it."""
+def lasting(course: Course, duration: float) -> Course:
+    """Return a course that ends at another time, with the spans that are left of it.
+
+    Where the last half is judged it is the new last half.
+    """
     checks.finite_number("duration", duration, above=0.0)
-    if duration >= course.duration:
+    if duration == course.duration:
         return course
-    begins = min(course.judged[0], 0.5 * duration)
+    half = 0.5 * duration
+    if course.judged == (0.5 * course.duration, course.duration):
+        judged = (half, duration)
+    else:
+        judged = (min(course.judged[0], half), min(course.judged[1], duration))
     return Course(
         reference=course.reference,
         duration=duration,
-        judged=(begins, min(course.judged[1], duration)),
+        judged=judged,
         rests=tuple(
             rest._replace(end=min(rest.end, duration))
             for rest in course.rests
             if rest.start < duration
         ),
-        text=f"{course.text}; cut short after {duration:g} s",
+        text=f"{course.text}; cut after {duration:g} s",
     )

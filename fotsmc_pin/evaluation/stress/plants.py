@@ -66,7 +66,7 @@ def with_rotors(arm: Arm) -> Arm:
     return replace(arm, urdf=urdf_text(tree.robot))
 
 
-def true_armature(nominal: Arm, divisor: float) -> Array:
+def true_armature(nominal: Arm, divisor: float | Array) -> Array:
     """Return rotors of effort limit / `divisor` beside those of `with_rotors`, (nv,) [kg·m², kg].
 
     Where the arm's file gives an armature, that stands for effort limit / 200: what counts is the

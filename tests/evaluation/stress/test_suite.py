@@ -17,7 +17,7 @@ from fotsmc_pin.evaluation.stress import (
     stress_scenario,
 )
 from fotsmc_pin.evaluation.stress.scenario import DT
-from fotsmc_pin.evaluation.stress.table import StressRow, run_row
+from fotsmc_pin.evaluation.stress.judging import StressRow, run_row
 
 
 class Pusher:
