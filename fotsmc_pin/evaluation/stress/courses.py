@@ -25,6 +25,8 @@ SPEED_SHARE, EFFORT_SHARE = 0.5, 0.8
 """Shares of the arm's velocity limits, and of its effort limits as the true arm needs them."""
 FIRST_DWELL, DWELL = 2.0, 3.0
 """Rest before the first move, in which the start error goes, and after each move [s]."""
+CANDIDATES, TRIED, EASY = 300, 30, 0.5
+"""Random poses drawn, how many of them are tried, and the share of an effort limit that is easy."""
 SMALLEST_SHRINKING = 0.05
 """Share of the moves' size from which on they are not made smaller to spare effort."""
 
@@ -93,9 +95,10 @@ def moves(arm: Arm, true: Arm, *, first_dwell: float = FIRST_DWELL, dwell: float
     """Return three moves from pose to pose, with a rest before the first and after each.
 
     A move is a quintic from rest to rest in all joints at once. It takes at most half of each
-    velocity limit, 1 rad/s and 4 rad/s². The poses lie up to 0.5 rad around the centre of
-    `Sinusoid.inside_limits`, within the position limits, and closer together where the true arm
-    would need more than 80 % of an effort limit.
+    velocity limit, 1 rad/s and 4 rad/s². The poses lie up to 0.5 rad around a middle one, within
+    the position limits. That is the centre of `Sinusoid.inside_limits`, or, where the true arm
+    would need more than 80 % of an effort limit, the nearest of a fixed set of random poses where
+    it does not. Where none is found the moves are smaller.
 
     Args:
         arm: the nominal arm.
@@ -189,20 +192,58 @@ class FadingOut:
 
 
 def _poses(arm: Arm, true: Arm) -> Array:
-    """Return the middle pose and two others as joint positions, (3, nv)."""
-    middle = arm.to_joint_positions(Sinusoid.inside_limits(arm).center)
+    """Return the middle pose and two others as joint positions, (3, nv).
+
+    The middle is the first of `_middles` from which the true arm can do the moves in full size. If
+    there is none, it is the first, and the moves are made smaller.
+    """
+    middles = _middles(arm, true)
+    for middle in middles:
+        poses = _around(arm, middle, 1.0)
+        if _fits(arm, true, poses):
+            return poses
+    shrinking = 1.0
+    while not _fits(arm, true, poses := _around(arm, middles[0], shrinking)):
+        shrinking *= 0.7
+        if shrinking < SMALLEST_SHRINKING:
+            break
+    return poses
+
+
+def _middles(arm: Arm, true: Arm) -> list[Array]:
+    """Return the centre of `Sinusoid.inside_limits` and poses that are easy to hold, by distance.
+
+    Those are of a fixed set of random configurations at least 0.5 rad inside the position limits,
+    where there is room; the true arm's gravity takes at most half of each effort limit.
+    """
+    first = arm.to_joint_positions(Sinusoid.inside_limits(arm).center)
+    lower, upper = arm.lower_position_limit, arm.upper_position_limit
+    finite = np.isfinite(lower) & np.isfinite(upper)
+    margin = np.minimum(MOVE_SIZE / 0.9, np.where(finite, 0.5 * (upper - lower), np.inf))
+    rng = np.random.default_rng(0)
+    found = []
+    for _ in range(CANDIDATES):
+        drawn = arm.to_joint_positions(arm.random_configuration(rng))
+        x = np.clip(drawn, lower + margin, upper - margin)
+        load = np.abs(true.gravity(arm.from_joint_positions(x))) / true.effort_limit
+        if load.max() <= EASY:
+            found.append(x)
+    found.sort(key=lambda x: float(np.linalg.norm(x - first)))
+    return [first, *found[:TRIED]]
+
+
+def _around(arm: Arm, middle: Array, share: float) -> Array:
+    """Return a pose and two others around it, as joint positions (3, nv)."""
     room = np.minimum(middle - arm.lower_position_limit, arm.upper_position_limit - middle)
-    size = np.minimum(MOVE_SIZE, 0.9 * np.maximum(room, 0.0))
+    size = share * np.minimum(MOVE_SIZE, 0.9 * np.maximum(room, 0.0))
     joint = np.arange(arm.nv)
     first, second = np.where(joint % 2 == 0, 1.0, -1.0), np.where(joint % 4 < 2, -0.7, 0.7)
-    shrinking = 1.0
-    while True:
-        x = middle + shrinking * np.array([np.zeros(arm.nv), first * size, second * size])
-        order = [arm.from_joint_positions(x[k]) for k in (0, 1, 2, 0)]
-        fits = not broken_limits(true, _path(arm, order), samples=200, effort_share=EFFORT_SHARE)
-        if fits or shrinking < SMALLEST_SHRINKING:
-            return x
-        shrinking *= 0.7
+    return np.array([middle, middle + first * size, middle + second * size])
+
+
+def _fits(arm: Arm, true: Arm, poses: Array) -> bool:
+    order = [arm.from_joint_positions(poses[k]) for k in (0, 1, 2, 0)]
+    return not broken_limits(true, _path(arm, order), samples=200, effort_share=EFFORT_SHARE)
 
 
 def _path(arm: Arm, poses: list[Array]) -> Quintic:

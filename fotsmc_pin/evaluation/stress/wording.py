@@ -56,13 +56,10 @@ def _rotors(case: Case, nominal: Arm) -> str:
     if case.rotors is None:
         return f"Armature of both arms as in the file: {_list(nominal.armature)} kg·m²."
     true = true_armature(nominal, case.rotors)
-    guessed = (
-        ""
-        if np.isfinite(nominal.effort_limit).all()
-        else (
-            f" Where no limit is stated, drives are taken to be for {_list(drive_size(nominal))} N·m."
-        )
-    )
+    guessed = ""
+    if not np.isfinite(nominal.effort_limit).all():
+        sizes = _list(drive_size(nominal))
+        guessed = f" Where no limit is stated, drives are taken to be for {sizes} N·m."
     return (
         f"True armature limit / {case.rotors:g}: {_list(true)} kg·m²; nominal armature by rule, "
         f"limit / 200: {_list(nominal.armature)} kg·m².{guessed}"
