@@ -2,7 +2,7 @@
 
 from fotsmc_pin.evaluation.stress.ablation import VARIANTS, ablate
 from fotsmc_pin.evaluation.stress.baseline import best_pid
-from fotsmc_pin.evaluation.stress.cases import SCENARIOS, Case, stress_scenario
+from fotsmc_pin.evaluation.stress.cases import SCENARIOS, Case, chosen_cases, stress_scenario
 from fotsmc_pin.evaluation.stress.courses import Course, Rest
 from fotsmc_pin.evaluation.stress.judging import StressRow, judge
 from fotsmc_pin.evaluation.stress.random_scenarios import (
@@ -19,6 +19,7 @@ __all__ = [
     "stress_scenario",
     "SCENARIOS",
     "Case",
+    "chosen_cases",
     "Course",
     "Rest",
     "Scenario",

@@ -16,6 +16,7 @@ from fotsmc_pin.evaluation.stress.judging import StressRow, run_row
 from fotsmc_pin.evaluation.stress.payloads import stress_payload
 from fotsmc_pin.evaluation.stress.plants import true_armature, with_rotors
 from fotsmc_pin.evaluation.stress.scenario import DT, Scenario
+from fotsmc_pin.evaluation.stress.table import DRAWN
 from fotsmc_pin.progress import reporting
 
 if TYPE_CHECKING:
@@ -95,7 +96,7 @@ def random_scenario(arm: Arm, seed: int, *, duration: float = DURATION) -> Scena
         delay=delay,
         seed=seed,
         name=what,
-        variant="drawn",
+        variant=DRAWN,
         text=f"{course.text}. {'; '.join(true.changes)}. Torque {delay} ticks late, noise of "
         f"{position_noise:.2g} rad and {velocity_noise:.2g} rad/s.",
     )

@@ -25,6 +25,8 @@ COLUMNS = (
     "saturated [%]",
     "diverged",
 )
+DRAWN = "drawn"
+"""Variant of a random scenario."""
 NONE = "–"
 """Cell of what a run does not have."""
 
@@ -53,6 +55,24 @@ def cells(row: StressRow) -> tuple[str, ...]:
         f"{100.0 * row.saturation_fraction:.1f}",
         "yes" if row.diverged else "no",
     )
+
+
+def listing(rows: Sequence[StressRow]) -> list[list[str]]:
+    """Return a line for each run, after a head; the scenario stands there where it may differ."""
+    lines = [[*COLUMNS], *([*cells(row)] for row in rows)]
+    if any(row.variant == DRAWN for row in rows):
+        for line, scenario in zip(
+            lines, ["scenario", *(row.scenario for row in rows)], strict=True
+        ):
+            line.insert(2, scenario)
+    return lines
+
+
+def is_matrix(rows: Sequence[StressRow]) -> bool:
+    """Return whether runs are to be shown by scenario: not those of sinusoids alone, nor draws."""
+    if any(row.variant == DRAWN for row in rows):
+        return False
+    return len({row.label for row in rows}) > 1 or any(row.swing is not None for row in rows)
 
 
 def matrix(rows: Sequence[StressRow], metric: Metric) -> list[list[str]]:
@@ -88,17 +108,12 @@ def turned(lines: Sequence[Sequence[str]]) -> list[list[str]]:
     return [names, *([*column] for column in zip(*(line[2:] for line in lines), strict=True))]
 
 
-def several_cases(rows: Iterable[StressRow]) -> bool:
-    """Return whether the rows are of more than one case."""
-    return len({row.label for row in rows}) > 1
-
-
 def markdown(rows: Iterable[StressRow]) -> str:
     """Return the rows as Markdown: one table, or a matrix for each metric, and what was run."""
     rows = [*rows]
-    listed = markdown_table(COLUMNS, map(cells, rows), align="ll" + "r" * (len(COLUMNS) - 2))
-    if not several_cases(rows) and all(row.swing is None for row in rows):
-        return listed
+    if not is_matrix(rows):
+        lines = listing(rows)
+        return markdown_table(lines[0], lines[1:], align="ll" + "r" * (len(lines[0]) - 2))
     parts = []
     for title, lines in matrices(rows).items():
         align = "ll" + "r" * (len(lines[0]) - 2)

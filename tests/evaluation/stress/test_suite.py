@@ -16,8 +16,8 @@ from fotsmc_pin.evaluation.stress import (
     stress,
     stress_scenario,
 )
-from fotsmc_pin.evaluation.stress.scenario import DT
 from fotsmc_pin.evaluation.stress.judging import StressRow, run_row
+from fotsmc_pin.evaluation.stress.scenario import DT
 
 
 class Pusher:
