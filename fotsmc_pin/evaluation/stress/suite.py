@@ -9,7 +9,7 @@ import joblib
 
 from fotsmc_pin import checks
 from fotsmc_pin.arms import load_arm
-from fotsmc_pin.control import CONTROLLERS, Controller
+from fotsmc_pin.control import CONTROLLERS, Controller, warn_of_gravity
 from fotsmc_pin.evaluation.stress.cases import chosen_cases
 from fotsmc_pin.evaluation.stress.judging import StressRow, run_row
 from fotsmc_pin.progress import reporting
@@ -67,6 +67,8 @@ def stress(
     """
     loaded = [load_arm(arm) if isinstance(arm, str) else arm for arm in arms]
     makers, cases = _makers(controllers), chosen_cases(scenarios)
+    for arm in loaded:  # here, because what another process warns of is not heard
+        warn_of_gravity(arm)
     runs = [
         Run(case, arm, label, make, duration, seed)
         for arm in loaded
