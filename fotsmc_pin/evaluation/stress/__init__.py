@@ -2,7 +2,8 @@
 
 from fotsmc_pin.evaluation.stress.ablation import VARIANTS, ablate
 from fotsmc_pin.evaluation.stress.baseline import best_pid
-from fotsmc_pin.evaluation.stress.cases import SCENARIOS, Case, chosen_cases, stress_scenario
+from fotsmc_pin.evaluation.stress.case import Case
+from fotsmc_pin.evaluation.stress.cases import SCENARIOS, chosen_cases, stress_scenario
 from fotsmc_pin.evaluation.stress.courses import Course, Rest
 from fotsmc_pin.evaluation.stress.judging import StressRow, judge
 from fotsmc_pin.evaluation.stress.random_scenarios import (

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from fotsmc_pin.arms import Arm
-    from fotsmc_pin.evaluation.stress.cases import Case
+    from fotsmc_pin.evaluation.stress.case import Case
     from fotsmc_pin.progress import Progress
 
     Maker: TypeAlias = Callable[[Arm, float], Controller]

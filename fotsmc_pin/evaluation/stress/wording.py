@@ -18,24 +18,25 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from fotsmc_pin.arms import Arm
-    from fotsmc_pin.evaluation.stress.cases import Case
+    from fotsmc_pin.evaluation.stress.case import Case
 
 
-def plant_text(case: Case, nominal: Arm, payload: float) -> str:
+def plant_text(case: Case, nominal: Arm, bare: Arm, payload: float) -> str:
     """Return the plant of a case in sentences; lists are in the order of the joints.
 
     Args:
         case: the case.
-        nominal: the nominal arm, without a tool.
+        nominal: the nominal arm.
+        bare: the arm by rule, without a tool, from which the true one is made.
         payload: mass of the tool [kg].
     """
     return " ".join(
         part
         for part in (
             _masses(case, payload),
-            _rotors(case, nominal),
-            _friction(case, nominal),
-            _springs(case, nominal),
+            _rotors(case, nominal, bare),
+            _friction(case, bare),
+            _springs(case, bare),
             _loop(case),
         )
         if part
@@ -52,17 +53,18 @@ def _masses(case: Case, payload: float) -> str:
     return f"The true arm's links are {links} the nominal arm's; it has {tool}."
 
 
-def _rotors(case: Case, nominal: Arm) -> str:
+def _rotors(case: Case, nominal: Arm, bare: Arm) -> str:
     if case.rotors is None:
         return f"Armature of both arms as in the file: {_list(nominal.armature)} kg·m²."
-    true = true_armature(nominal, case.rotors)
     guessed = ""
-    if not np.isfinite(nominal.effort_limit).all():
-        sizes = _list(drive_size(nominal))
-        guessed = f" Where no limit is stated, drives are taken to be for {sizes} N·m."
+    if not np.isfinite(bare.effort_limit).all():
+        guessed = (
+            f" Where no limit is stated, drives are taken to be for {_list(drive_size(bare))} N·m."
+        )
+    source = "by rule, limit / 200" if case.known_rotors else "as in the file"
     return (
-        f"True armature limit / {case.rotors:g}: {_list(true)} kg·m²; nominal armature by rule, "
-        f"limit / 200: {_list(nominal.armature)} kg·m².{guessed}"
+        f"True armature limit / {case.rotors:g}: {_list(true_armature(bare, case.rotors))} kg·m²; "
+        f"nominal armature {source}: {_list(nominal.armature)} kg·m².{guessed}"
     )
 
 

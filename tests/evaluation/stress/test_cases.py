@@ -71,6 +71,13 @@ class TestPlants:
         np.testing.assert_allclose(scenario.arm.armature, panda.effort_limit / 200)
         assert f"limit / {divisor}" in scenario.text
 
+    def test_unknown_rotors_are_in_the_true_arm_alone(self, panda):
+        scenario = stress_scenario(panda, "rotors 1/100 unknown")
+        np.testing.assert_allclose(scenario.true.armature, panda.effort_limit / 100)
+        assert scenario.arm == panda
+        assert scenario.course.judged == (5.0, 12.0)
+        assert "nominal armature as in the file: 0 kg·m²" in scenario.text
+
     def test_the_light_arm_lacks_the_tool_of_its_model(self, panda):
         scenario = stress_scenario(panda, "light")
         assert moving_mass(scenario.true) == pytest.approx(moving_mass(panda))
