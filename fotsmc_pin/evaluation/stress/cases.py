@@ -56,7 +56,7 @@ SCENARIOS: Mapping[str, tuple[Case, ...]] = MappingProxyType(
         "elastic": tuple(
             Case(
                 scenario="elastic",
-                variant=f"×{stiffness:g} {side}",
+                variant=f"{stiffness:g} {side}",
                 stiffness=stiffness,
                 encoder=side,
             )

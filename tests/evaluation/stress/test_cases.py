@@ -95,7 +95,7 @@ class TestPlants:
     @pytest.mark.parametrize("stiffness", [1000, 200, 100])
     @pytest.mark.parametrize("side", ["motor", "link"])
     def test_elastic(self, panda, stiffness, side):
-        scenario = stress_scenario(panda, f"elastic ×{stiffness} {side}")
+        scenario = stress_scenario(panda, f"elastic {stiffness} {side}")
         np.testing.assert_allclose(scenario.true.joint_stiffness, stiffness * panda.effort_limit)
         spring, rotor = scenario.true.joint_stiffness, scenario.true.armature
         np.testing.assert_allclose(
@@ -238,7 +238,7 @@ class TestJudging:
         assert judge(rec, "panda", "law", course).overshoot == pytest.approx(0.0, abs=1e-12)
 
     def test_springs_yield_to_gravity(self, panda):
-        scenario = CASES["elastic ×1000 motor"].scenario_of(panda, duration=2.0)
+        scenario = CASES["elastic 1000 motor"].scenario_of(panda, duration=2.0)
         row = run_row(scenario, RobustFONFTSM(scenario.arm, scenario.dt), "law")
         assert row.deflection == pytest.approx(row.static_deflection, rel=0.2)
         true = scenario.true
