@@ -21,6 +21,9 @@ REST_ERROR = 1e-3
 REST_SPEED = 2e-3
 """Speed of a joint below which it counts as still [rad/s, m/s]."""
 
+CALM = 0.5
+"""Rest that must be seen to count [s]."""
+
 
 def swing(t: Array, e: Array, window: tuple[float, float]) -> Array:
     """Return how far each joint swings in a window: largest minus least error, (nv,) [rad, m].
@@ -45,11 +48,13 @@ def time_to_rest(
     *,
     error: float = REST_ERROR,
     speed: float = REST_SPEED,
+    calm: float = CALM,
 ) -> float:
     """Return how long after the window's beginning every joint has come to rest for good [s].
 
     That is the first time from which, until the window's end, `|e_j| ≤ error` and `|v_j| ≤ speed`
-    in each joint, counted from the beginning of the window; inf if there is none.
+    in each joint, counted from the beginning of the window. It is inf if there is none, or if what
+    is left of the window is shorter than `calm`: a joint that hunts stands still now and then.
 
     Args:
         t: times (N,) [s].
@@ -58,6 +63,7 @@ def time_to_rest(
         window: from the end of the reference's motion to its next one [s].
         error: bound on each joint's error [rad, m].
         speed: bound on each joint's speed [rad/s, m/s].
+        calm: shortest rest that counts [s].
 
     Raises:
         ArgumentError: a bound that is not above 0, or a window without a row.
@@ -71,7 +77,8 @@ def time_to_rest(
         return 0.0
     if restless[-1] + 1 == len(still):
         return math.inf
-    return float(t[chosen][restless[-1] + 1] - window[0])
+    arrived = float(t[chosen][restless[-1] + 1])
+    return arrived - window[0] if window[1] - arrived >= calm else math.inf
 
 
 def overshoot(t: Array, to_go: Array, window: tuple[float, float]) -> Array:

@@ -41,6 +41,11 @@ class TestTimeToRest:
         assert time_to_rest(T, e, 0.0 * e, (0.0, 4.0)) == math.inf
         assert time_to_rest(T, e, 0.0 * e, (0.0, 3.9)) == 0.0
 
+    def test_a_pause_at_the_end_is_no_rest(self):
+        e = np.where(T < 3.6, 2e-3, 0.0)[:, None]
+        assert time_to_rest(T, e, 0.0 * e, (0.0, 4.0)) == math.inf
+        assert time_to_rest(T, e, 0.0 * e, (0.0, 4.0), calm=0.3) == pytest.approx(3.6)
+
     def test_bounds_are_above_zero(self):
         with pytest.raises(ArgumentError, match="error"):
             time_to_rest(T, T[:, None], T[:, None], (0.0, 1.0), error=0.0)

@@ -47,7 +47,8 @@ class StressRow:
         diverged: a joint left every bound, or the tail RMS error is above 0.5 rad.
         swing: of each joint (nv,), the largest of all rests [rad, m].
         time_to_rest: until each joint stays below 1 mrad of error and 2 mrad/s of speed, from the
-            end of the reference's motion, the longest of all rests [s].
+            end of the reference's motion, the longest of all rests [s]; inf where the calm lasts
+            less than 0.5 s.
         overshoot: of any joint beyond the end of a move [rad, m].
         rest_torque_variation: the largest of all rests [N·m/s].
         variation_without_friction: the same of the same run on the arm without friction [N·m/s].
