@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from fotsmc_pin.arms import Arm
-    from fotsmc_pin.evaluation.stress.table import StressRow
+    from fotsmc_pin.evaluation.stress.judging import StressRow
     from fotsmc_pin.progress import Progress
 
 VARIANTS: Mapping[str, Mapping[str, Any]] = {

@@ -6,12 +6,13 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from fotsmc_pin.control import ComputedTorque
-from fotsmc_pin.evaluation.stress.scenario import DT, DURATION, Scenario
-from fotsmc_pin.evaluation.stress.table import StressRow, run_row
+from fotsmc_pin.evaluation.stress.judging import StressRow, run_row
+from fotsmc_pin.evaluation.stress.scenario import DURATION
 from fotsmc_pin.evaluation.tuning import Span, minimize
 from fotsmc_pin.progress import reporting
 
 if TYPE_CHECKING:
+    from fotsmc_pin.evaluation.stress.scenario import Scenario
     from fotsmc_pin.progress import Progress
 
 TRIALS = 200
@@ -58,7 +59,9 @@ def best_pid(
     """
 
     def judged(gains: dict[str, Any]) -> StressRow:
-        return run_row(scenario, ComputedTorque(scenario.arm, DT, **gains), "best PID", duration)
+        return run_row(
+            scenario, ComputedTorque(scenario.arm, scenario.dt, **gains), "best PID", duration
+        )
 
     def cost(gains: dict[str, float]) -> float:
         row = judged(gains)

@@ -31,6 +31,28 @@ def test_stress_writes_its_table(tmp_path):
         called(*STRESS, str(tmp_path / "out"))
 
 
+def test_scenarios_are_columns_of_a_matrix(tmp_path):
+    words = ["--controller", "RobustFONFTSM", "--scenario", "hold raw", "--scenario", "slow"]
+    shown = called(*STRESS, str(tmp_path), *words)
+    for title in ("tail RMS error [mrad]", "largest swing", "arrival time [s]", "without friction"):
+        assert title in " ".join(shown.split())
+    rows = json.loads((tmp_path / "stress.json").read_text())["rows"]
+    labels = [(row["scenario"], row["variant"]) for row in rows]
+    assert labels == [("hold", "raw"), ("slow", "2 ms"), ("slow", "4 ms")]
+    assert "Ticks of 4 ms" in rows[2]["text"]
+    written = (tmp_path / "stress.md").read_text()
+    assert "| arm | controller | hold raw | slow 2 ms | slow 4 ms |" in written
+    assert f"- asr_twodof, slow 4 ms: {rows[2]['text']}" in written
+
+
+def test_an_unknown_scenario_is_refused_before_the_folder_is_made(tmp_path):
+    with pytest.raises(ArgumentError, match="scenarios = 'holds'"):
+        called(*STRESS, str(tmp_path / "out"), "--scenario", "holds")
+    assert not (tmp_path / "out").exists()
+    with pytest.raises(ArgumentError, match="--draws"):
+        called("stress", "asr_twodof", "--scenario", "hold", "--draws", "1")
+
+
 def test_a_draw_is_replayed_by_its_seed(tmp_path):
     rows = []
     for folder in ("first", "again"):
