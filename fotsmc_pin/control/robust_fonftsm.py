@@ -6,7 +6,6 @@ import math
 from typing import TYPE_CHECKING, ClassVar, Unpack
 
 from fotsmc_pin.compiled import kernel
-from fotsmc_pin.control.conditions import warn_of_gravity
 from fotsmc_pin.control.controller import Controller, SignalRows, Streams
 from fotsmc_pin.control.functions import sig
 from fotsmc_pin.control.inertia_floor import OBSERVER_RATE, raise_floor
@@ -106,10 +105,6 @@ class RobustFONFTSM(Controller[RobustFONFTSMGains]):
             preset: str | None = None,
             **gains: Unpack[RobustFONFTSMKeywords],
         ) -> None: ...
-
-    def review(self) -> None:
-        """Warn of an arm that cannot hold itself up."""
-        warn_of_gravity(self.arm, self)
 
     def effective_gains(self) -> RobustFONFTSMGains:
         """Return the gains with every rate scaled by `bandwidth` and slowed for long ticks."""
