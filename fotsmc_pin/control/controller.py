@@ -258,7 +258,8 @@ class Controller(SharesNothing, ABC, Generic[G]):
             self._table, self.Gains, self.State, self.Work, self.signal_rows
         )
         # Live views on Pinocchio's results. M0 is symmetric: its transpose is itself, in C order.
-        streams = [(s.coefficients, s.memory) for s in self.memories.values()]
+        # Copies of the coefficients: a kernel is compiled once more for arrays that are read-only.
+        streams = [(s.coefficients.copy(), s.memory) for s in self.memories.values()]
         self._arguments = (self._table, self._data.M.T, self._data.nle, *chain(*streams))
         self._code = specialized(self.tick, self.dt, *self._arguments)
         q, v = self._q, self._v

@@ -59,7 +59,7 @@ TINY = 1e-280
 def advance(coefficients: Array, memory: Array, x: Array, dt: float, y: Array) -> None:
     """Take the next sample and write the output to `y`: `predict` and `commit` in one."""
     if _is_plain(coefficients, memory, dt):
-        _move(coefficients, memory, x, dt, coefficients, y)
+        _move(coefficients, memory, x, dt, coefficients, y, True)
         return
     gain = _predict(coefficients, memory, dt, y)
     for j in range(x.size):
@@ -82,7 +82,7 @@ def predict(coefficients: Array, memory: Array, dt: float, y_history: Array) -> 
 def commit(coefficients: Array, memory: Array, x: Array, dt: float) -> None:
     """Store the next sample, and move the modes over the interval that it ends."""
     if _is_plain(coefficients, memory, dt):
-        _move(coefficients, memory, x, dt, coefficients, None)
+        _move(coefficients, memory, x, dt, coefficients, x, False)
     else:
         _commit(coefficients, memory, x, dt)
 
@@ -98,9 +98,15 @@ def _is_plain(coefficients: Array, memory: Array, dt: float) -> bool:
 
 @kernel(rounds_freely=True)
 def _move(
-    coefficients: Array, memory: Array, x: Array, dt: float, response: Array, y: Array | None
+    coefficients: Array,
+    memory: Array,
+    x: Array,
+    dt: float,
+    response: Array,
+    y: Array,
+    writes: bool,
 ) -> None:
-    """Store a sample; write the output of a plain one to `y`, unless that is None.
+    """Store a sample; where `writes`, write the output of a plain one to `y`.
 
     The last four rows of `response` are the decay of each mode over the interval that ends, and
     what value, difference and curvature add to it.
@@ -117,7 +123,7 @@ def _move(
         value, last = x[j], row[LAST]
         difference = value - last
         curvature = bend * (difference - ratio * (last - row[BEFORE_LAST]))
-        if y is not None:
+        if writes:
             y[j] = row[HISTORY] + l0 * value + l1 * difference + l2 * curvature
         mode = row[FIRST_MODE:]
         history = 0.0
@@ -193,7 +199,7 @@ def _commit(coefficients: Array, memory: Array, x: Array, dt: float) -> None:
             if bend != 0.0 and count == 2.0:
                 g2 += decay * _bent_first(scheme, slope, tempering, dt, ratio, rate, weight)
             response[0, k], response[1, k], response[2, k], response[3, k] = decay, g0, g1, g2
-    _move(coefficients, memory, x, dt, response, None)
+    _move(coefficients, memory, x, dt, response, x, False)
     if count == 0.0:
         for j in range(n):
             memory[j, BEFORE_LAST] = x[j]
