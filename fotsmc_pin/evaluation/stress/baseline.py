@@ -6,8 +6,8 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from fotsmc_pin.control import ComputedTorque
+from fotsmc_pin.evaluation.stress.courses import SINE_TIME
 from fotsmc_pin.evaluation.stress.judging import StressRow, run_row
-from fotsmc_pin.evaluation.stress.scenario import DURATION
 from fotsmc_pin.evaluation.tuning import Span, minimize
 from fotsmc_pin.progress import reporting
 
@@ -33,7 +33,7 @@ def best_pid(
     *,
     trials: int = TRIALS,
     seed: int = 0,
-    duration: float = DURATION,
+    duration: float = SINE_TIME,
     largest_variation: float = math.inf,
     progress: Progress = False,
 ) -> tuple[StressRow, dict[str, float]]:
