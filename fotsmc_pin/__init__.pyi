@@ -28,7 +28,12 @@ from .fractional import (
     FractionalIntegral as FractionalIntegral,
 )
 from .simulation import Recording as Recording, simulate as simulate
-from .analysis import Summary as Summary, summarize as summarize
+from .analysis import (
+    Summary as Summary,
+    inertia_ratios as inertia_ratios,
+    margins as margins,
+    summarize as summarize,
+)
 from .evaluation.studies import ClosedLoop as ClosedLoop, StudyResult as StudyResult, study as study
 from .evaluation.stress import stress as stress
 from .realtime import run_realtime as run_realtime

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import math
 from typing import TYPE_CHECKING
 
@@ -10,11 +11,21 @@ import numpy as np
 from fotsmc_pin.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
     from numpy.typing import ArrayLike
 
     from fotsmc_pin.types import Array
+
+
+def instance(name: str, value: object, kind: type | tuple[type, ...], remedy: str) -> None:
+    """Demand that `value` is of a kind.
+
+    Raises:
+        ArgumentError: naming the argument, its value and the remedy.
+    """
+    if not isinstance(value, kind):
+        raise ArgumentError(name, value, remedy)
 
 
 def finite_number(
@@ -104,7 +115,15 @@ def per_joint(
 
 
 def choice(name: str, value: str, known: Sequence[str]) -> str:
-    """Return `value` if it is one of the known values."""
+    """Return `value` if it is one of the known values; the message names the nearest one."""
     if value not in known:
-        raise ArgumentError(name, value, f"choose one of {', '.join(known)}")
+        hint = did_you_mean(value, known)
+        raise ArgumentError(name, value, f"{hint}choose one of {', '.join(known)}")
     return value
+
+
+def did_you_mean(value: object, known: Iterable[str]) -> str:
+    """Return a question that names the known word nearest to `value`, empty if none is near."""
+    lower = {word.lower(): word for word in known}
+    near = difflib.get_close_matches(str(value).lower(), lower, 1)
+    return f"did you mean {lower[near[0]]}? " if near else ""

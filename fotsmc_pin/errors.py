@@ -86,3 +86,15 @@ class DivergenceError(FotsmcError, ArithmeticError):
     def __reduce__(self) -> tuple[type[DivergenceError], tuple[str, float, str, Any]]:
         """Rebuild from the parts, so that the error can be pickled."""
         return type(self), (str(self), self.time, self.joint, self.recording)
+
+
+class RunInterrupted(KeyboardInterrupt):
+    """A simulation was stopped by Ctrl-C; a `KeyboardInterrupt` like any other, and no `Exception`.
+
+    Attributes:
+        recording: everything recorded up to then.
+    """
+
+    def __init__(self, recording: Any) -> None:
+        self.recording = recording
+        super().__init__("the simulation was interrupted; what was recorded is in `.recording`")

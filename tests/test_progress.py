@@ -11,8 +11,8 @@ import pytest
 
 import fotsmc_pin as fp
 from fotsmc_pin.evaluation.stress import ablate, best_pid, run_random_scenarios, stress_scenario
+from fotsmc_pin.evaluation.stress.judging import run_row
 from fotsmc_pin.evaluation.stress.scenario import DT
-from fotsmc_pin.evaluation.stress.table import run_row
 from fotsmc_pin.evaluation.tuning import Span, minimize, tune
 from fotsmc_pin.paper import two_link
 from fotsmc_pin.paper.reproduce import reproduce

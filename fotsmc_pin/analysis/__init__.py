@@ -1,6 +1,9 @@
 """Analysis: metrics of a run, and what theory predicts for a law."""
 
 from fotsmc_pin.analysis.bounds import reaching_time_bound, settling_time_bound
+from fotsmc_pin.analysis.elastic_bandwidth import largest_bandwidth
+from fotsmc_pin.analysis.inertia_ratios import InertiaRatios, inertia_ratios
+from fotsmc_pin.analysis.margins import Margins, margins
 from fotsmc_pin.analysis.metrics import (
     Summary,
     settling_time,
@@ -8,13 +11,21 @@ from fotsmc_pin.analysis.metrics import (
     summarize_by_unit,
     units,
 )
+from fotsmc_pin.analysis.rest import reference_stop, swings, time_to_rest
 from fotsmc_pin.analysis.surface import sector_margin, surface_decay, surface_margin
+from fotsmc_pin.analysis.tool import tool_errors
 from fotsmc_pin.control.conditions import obeys_power_condition
 
 __all__ = [
+    "InertiaRatios",
+    "Margins",
     "Summary",
+    "inertia_ratios",
+    "largest_bandwidth",
+    "margins",
     "obeys_power_condition",
     "reaching_time_bound",
+    "reference_stop",
     "sector_margin",
     "settling_time",
     "settling_time_bound",
@@ -22,5 +33,8 @@ __all__ = [
     "summarize_by_unit",
     "surface_decay",
     "surface_margin",
+    "swings",
+    "time_to_rest",
+    "tool_errors",
     "units",
 ]

@@ -7,13 +7,13 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.integrate import trapezoid
 
 from fotsmc_pin import checks
+from fotsmc_pin.analysis.rest import swings, time_to_rest
 from fotsmc_pin.notebook import page_of
+from fotsmc_pin.simulation import Recording
 
 if TYPE_CHECKING:
-    from fotsmc_pin.simulation import Recording
     from fotsmc_pin.types import Array
 
 
@@ -37,6 +37,8 @@ UNITS = {
     "chattering": "–",
     "energy": "J",
     "saturation_fraction": "–",
+    "swing": "rad",
+    "time_to_rest": "s",
     "duration": "s",
 }
 """Units of the metrics in a `Summary`, for revolute joints."""
@@ -75,6 +77,9 @@ class Summary:
         chattering: share of the torque's power (mean taken off, last half) above 20 Hz.
         energy: `∫ Σ |τ_j v_j| dt`, mechanical work done and absorbed [J].
         saturation_fraction: share of ticks at which some joint is at its effort limit.
+        swing: largest swing of a joint, once the reference rests (`rest.swings`) [rad].
+        time_to_rest: from the reference's last motion until no joint swings by more than 0.15 mrad
+            (`rest.time_to_rest`) [s]; inf if that is never, or the reference moves to the end.
         duration: time from the first to the last tick [s].
         position_unit: "rad", "m", or "rad, m" where `‖e‖` adds up both.
     """
@@ -96,6 +101,8 @@ class Summary:
     chattering: float
     energy: float
     saturation_fraction: float
+    swing: float
+    time_to_rest: float
     duration: float
     position_unit: str = "rad"
 
@@ -130,7 +137,10 @@ def value_with_unit(value: float, unit: str) -> str:
 
 
 def summarize(rec: Recording) -> Summary:
-    """Return the metrics of a run; `Summary` defines each of them."""
+    """Judge a run; `Summary` defines every metric."""
+    checks.instance(
+        "rec", rec, (Recording, _Part), "give a recording, as simulate or Recording.load returns it"
+    )
     t, error, tau = rec.t, rec.error_norm, rec.tau
     tail = t >= t[0] + 0.5 * (t[-1] - t[0])
     limited = np.abs(tau) >= AT_LIMIT * rec.arm.effort_limit
@@ -142,16 +152,18 @@ def summarize(rec: Recording) -> Summary:
         tail_rms_error=_rms(error[tail]),
         max_error=float(error.max()),
         max_tail_error=float(error[tail].max()),
-        iae=float(trapezoid(error, t)),
-        ise=float(trapezoid(error**2, t)),
-        itae=float(trapezoid(t * error, t)),
+        iae=float(np.trapezoid(error, t)),
+        ise=float(np.trapezoid(error**2, t)),
+        itae=float(np.trapezoid(t * error, t)),
         peak_torque=float(np.abs(tau).max()),
         rms_torque=_rms(np.linalg.norm(tau, axis=1)),
         torque_variation=torque_variation(t, tau),
         tail_torque_variation=torque_variation(t[tail], tau[tail]),
         chattering=power_above(t[tail], tau[tail], 20.0),
-        energy=float(trapezoid(np.abs(tau * rec.v).sum(axis=1), t)),
+        energy=float(np.trapezoid(np.abs(tau * rec.v).sum(axis=1), t)),
         saturation_fraction=float(limited.any(axis=1).mean()),
+        swing=float(swings(rec).max()),
+        time_to_rest=time_to_rest(rec),
         duration=float(t[-1] - t[0]),
         position_unit=", ".join(dict.fromkeys(rec.arm.position_units)),
     )

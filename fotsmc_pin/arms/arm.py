@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pinocchio as pin
 
+from fotsmc_pin.arms.joint_numbers import JointNumbers, frozen
 from fotsmc_pin.arms.markup import parse_urdf
 from fotsmc_pin.arms.model import build_model
-from fotsmc_pin.arms.properties import read_properties
+from fotsmc_pin.arms.mounting import base_gravity
+from fotsmc_pin.arms.singular import joint_without_inertia, no_inertia
 from fotsmc_pin.arms.tree import UrdfTree
 from fotsmc_pin.arms.visuals import visual_model
 from fotsmc_pin.checks import finite_vector
@@ -30,11 +32,11 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Arm:
+class Arm(JointNumbers):
     """A robot arm: `M(q) a + C(q, v) v + G(q) = τ`.
 
     Make one with `load_arm` or `perturb`. An arm never changes. It is its URDF: everything else
-    follows from that text. Two arms are equal when all that is listed below is, and an arm travels
+    follows from that text. Two arms are equal when all that is listed below is, and an arm goes
     to another process or into a file as text (`to_dict`, pickle).
 
     The terms include the armature (the motors' inertia seen from the joint). They leave out joint
@@ -74,11 +76,11 @@ class Arm:
     _repr_html_ = page_of
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Travel as text: Pinocchio's objects are rebuilt on arrival."""
+        """Pickle as text: Pinocchio's objects are rebuilt when it is loaded."""
         return Arm.from_dict, (self.to_dict(),)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return all that rebuilds the arm, ready for JSON."""
+        """Return what `from_dict` needs to rebuild the arm, ready for JSON."""
         return {
             "urdf": self.urdf,
             "name": self.name,
@@ -131,57 +133,19 @@ class Arm:
         return self.nq == self.nv
 
     @cached_property
-    def position_units(self) -> tuple[str, ...]:
-        """Unit of each joint's position: "rad", or "m" for a prismatic joint."""
-        kinds = [self.tree.joints[name].type for name in self.joint_names]
-        return tuple("m" if kind == "prismatic" else "rad" for kind in kinds)
-
-    @cached_property
-    def effort_units(self) -> tuple[str, ...]:
-        """Unit of each joint's effort: "N·m", or "N" for a prismatic joint."""
-        return tuple("N" if unit == "m" else "N·m" for unit in self.position_units)
-
-    @cached_property
     def tool_frame_id(self) -> int:
         """Index of the tool frame among `model.frames`; a joint may bear the same name."""
         return int(self.model.getFrameId(self.tool_frame, pin.FrameType.BODY))
 
-    # Numbers per joint
+    @cached_property
+    def base_gravity(self) -> Array:
+        """Gravity that the arm feels, in the frame of its base, (3,) [m/s²]."""
+        return frozen(base_gravity(self.tree))
 
     @cached_property
-    def effort_limit(self) -> Array:
-        """Largest effort of each joint, (nv,) [N·m or N], inf where not given."""
-        return self._per_joint("effort_limit")
-
-    @cached_property
-    def velocity_limit(self) -> Array:
-        """Largest speed of each joint, (nv,) [rad/s or m/s], inf where not given."""
-        return self._per_joint("velocity_limit")
-
-    @cached_property
-    def lower_position_limit(self) -> Array:
-        """Lowest position of each joint, (nv,) [rad or m], -inf where not given."""
-        return self._per_joint("lower_position_limit")
-
-    @cached_property
-    def upper_position_limit(self) -> Array:
-        """Highest position of each joint, (nv,) [rad or m], inf where not given."""
-        return self._per_joint("upper_position_limit")
-
-    @cached_property
-    def armature(self) -> Array:
-        """Motor inertia seen from each joint, (nv,) [kg·m² or kg]; part of the mass matrix."""
-        return self._per_joint("armature")
-
-    @cached_property
-    def friction(self) -> Array:
-        """Coulomb friction of each joint, (nv,) [N·m or N]; not part of the terms here."""
-        return self._per_joint("friction")
-
-    @cached_property
-    def damping(self) -> Array:
-        """Viscous friction of each joint, (nv,) [N·m·s/rad or N·s/m]; not part of the terms."""
-        return self._per_joint("damping")
+    def idle_joint(self) -> str | None:
+        """Name of a joint that moves no inertia wherever the arm is, None where all move some."""
+        return joint_without_inertia(self)
 
     # Terms of the equation of motion
 
@@ -206,9 +170,25 @@ class Arm:
         return np.array(pin.rnea(self.model, self._data, q, v, a))
 
     def forward_dynamics(self, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> Array:
-        """Return `a = M⁻¹ (τ - C v - G)`, (nv,) [rad/s² or m/s²]."""
+        """Return `a = M⁻¹ (τ - C v - G)`, (nv,) [rad/s² or m/s²].
+
+        Raises:
+            UrdfError: a joint moves no inertia, as `demand_dynamics` says.
+        """
+        self.demand_dynamics()
         q, v, tau = self._configuration(q), self._tangent("v", v), self._tangent("tau", tau)
         return np.array(pin.aba(self.model, self._data, q, v, tau))
+
+    def demand_dynamics(self) -> None:
+        """Refuse an arm that has no forward dynamics: its mass matrix is singular everywhere.
+
+        Kinematics, gravity and inverse dynamics of such an arm are sound.
+
+        Raises:
+            UrdfError: naming the joint that moves no inertia, and the remedy.
+        """
+        if self.idle_joint is not None:
+            raise no_inertia(self, self.idle_joint)
 
     # Configurations
 
@@ -219,7 +199,7 @@ class Arm:
         outside, bounded = (lower > 0.0) | (upper < 0.0), np.isfinite(lower) & np.isfinite(upper)
         middle = 0.5 * (np.where(bounded, lower, 0.0) + np.where(bounded, upper, 0.0))
         nearest = np.where(bounded, middle, np.clip(0.0, lower, upper))
-        return _frozen(self.from_joint_positions(np.where(outside, nearest, 0.0)))
+        return frozen(self.from_joint_positions(np.where(outside, nearest, 0.0)))
 
     def difference(self, q_d: ArrayLike, q: ArrayLike) -> Array:
         """Return the tangent error `e = q ⊖ q_d`, (nv,) [rad or m].
@@ -254,6 +234,14 @@ class Arm:
         high = np.where(np.isfinite(upper), upper, np.where(np.isfinite(lower), lower, 0.0) + span)
         return self.from_joint_positions(rng.uniform(low, high))
 
+    def tool_pose(self, q: ArrayLike) -> pin.SE3:
+        """Return where the tool frame is at `q`, in the frame of the world.
+
+        `.translation` (3,) [m] is its origin, `.rotation` (3, 3) has its axes as columns.
+        """
+        pin.framesForwardKinematics(self.model, self._data, self._configuration(q))
+        return self._data.oMf[self.tool_frame_id].copy()
+
     # Looks and files
 
     def write_urdf(self, path: str | PathLike[str]) -> Path:
@@ -280,19 +268,8 @@ class Arm:
     def _visual_model(self) -> pin.GeometryModel:
         return visual_model(self.tree, self.model, self.package_dirs)
 
-    def _per_joint(self, name: str) -> Array:
-        joints = (self.tree.joints[joint] for joint in self.joint_names)
-        return _frozen(
-            np.array([getattr(read_properties(self.tree, joint), name) for joint in joints])
-        )
-
     def _configuration(self, q: ArrayLike, name: str = "q") -> Array:
         return finite_vector(name, q, self.nq)
 
     def _tangent(self, name: str, vector: ArrayLike) -> Array:
         return finite_vector(name, vector, self.nv)
-
-
-def _frozen(vector: Array) -> Array:
-    vector.flags.writeable = False
-    return vector

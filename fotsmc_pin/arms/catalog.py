@@ -1,4 +1,4 @@
-"""Arms that go by a name: those bundled here, in example-robot-data, in robot_descriptions."""
+"""The arms known by name: those bundled here, in example-robot-data, in robot_descriptions."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 
+from fotsmc_pin.checks import did_you_mean
 from fotsmc_pin.errors import ArmNotFoundError
 
 BUNDLED = {"two_link": "two_link_nominal.urdf", "two_link_true": "two_link_true.urdf"}
@@ -39,7 +40,7 @@ EXAMPLE_ROBOTS = {
 
 @dataclass(frozen=True, kw_only=True)
 class Source:
-    """Where an arm's URDF lies.
+    """Where an arm's URDF is.
 
     Attributes:
         path: the file.
@@ -53,7 +54,7 @@ class Source:
 
 
 def find_source(source: str | Path) -> Source:
-    """Return where an arm lies: a path first, then the names.
+    """Return where an arm's URDF is: a path is tried first, then the names.
 
     Raises:
         ArmNotFoundError: no such file and no such name.
@@ -68,7 +69,8 @@ def find_source(source: str | Path) -> Source:
     found = _bundled(name) or _example_robot(name) or _robot_description(name)
     if found is None:
         raise ArmNotFoundError(
-            f"no arm is called {name!r}; known: {', '.join(known_names())}. "
+            f"no arm is called {name!r}; {did_you_mean(name, known_names())}known: "
+            + f"{', '.join(known_names())}. "
             + _missing_data_hint()
             + "A file is given by its path, such as ./my.urdf"
         )
@@ -158,4 +160,4 @@ def _robot_description(name: str) -> Source | None:
 def _missing_data_hint() -> str:
     if example_robots_folder() is not None:
         return ""
-    return 'More come with `pip install "fotsmc_pin[robots]"`. '
+    return "More come with: pip install example-robot-data. "

@@ -1,4 +1,4 @@
-"""`inspect_arm`: what was understood of a URDF, what it can carry, and what looks wrong."""
+"""`inspect_arm`: the properties of an arm, what it can carry, and what looks wrong."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pinocchio as pin
 
+from fotsmc_pin.arms.demand import demand_arm
+from fotsmc_pin.arms.rotors import rotor_remark
 from fotsmc_pin.arms.suspicions import suspicions
 from fotsmc_pin.checks import count
 
@@ -18,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Inspection:
-    """What an arm turned out to be, over random configurations inside its limits.
+    """Properties of an arm, over random configurations inside its limits.
 
     Attributes:
         arm: the arm.
@@ -29,6 +31,7 @@ class Inspection:
         payload: mass at the tool frame that the effort limits can still hold in every one of the
             configurations [kg]; inf without effort limits, 0 where the arm cannot hold itself.
         warnings: what looks wrong, in plain words.
+        remarks: what is right in the file and worth knowing all the same, in plain words.
     """
 
     arm: Arm
@@ -38,6 +41,7 @@ class Inspection:
     condition: tuple[float, float]
     payload: float
     warnings: tuple[str, ...]
+    remarks: tuple[str, ...] = ()
 
     @property
     def gravity_share(self) -> Array:
@@ -53,6 +57,7 @@ def inspect_arm(arm: Arm, *, samples: int = 200, seed: int = 0) -> Inspection:
         samples: how many configurations.
         seed: where they are drawn from.
     """
+    demand_arm(arm)
     rng = np.random.default_rng(seed)
     configurations = [arm.random_configuration(rng) for _ in range(count("samples", samples))]
     gravity = np.array([arm.gravity(q) for q in configurations])
@@ -68,6 +73,7 @@ def inspect_arm(arm: Arm, *, samples: int = 200, seed: int = 0) -> Inspection:
         condition=(float(np.median(conditions)), float(conditions.max())),
         payload=_payload(arm, configurations, gravity),
         warnings=tuple(suspicions(arm, gravity_load=load, condition=float(conditions.max()))),
+        remarks=tuple(remark for remark in (rotor_remark(arm),) if remark is not None),
     )
 
 
@@ -81,7 +87,7 @@ def _payload(arm: Arm, configurations: list[Array], gravity: Array) -> float:
         )
         per_kilogram = -jacobian[:3].T @ arm.model.gravity.linear
         heavier = np.abs(per_kilogram) > 1e-9
-        # The load grows towards the limit that lies in its direction.
+        # The load grows towards the limit in its direction.
         margin = arm.effort_limit - np.sign(per_kilogram) * load
         least = min(least, np.min(margin[heavier] / np.abs(per_kilogram[heavier]), initial=np.inf))
     return max(0.0, float(least))

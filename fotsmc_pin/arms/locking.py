@@ -11,6 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from fotsmc_pin.arms.inertia import words
+from fotsmc_pin.arms.properties import NOTE
 from fotsmc_pin.checks import finite_number
 from fotsmc_pin.errors import ArgumentError
 
@@ -103,7 +104,7 @@ def apply_locks(locks: Sequence[Lock], tree: UrdfTree) -> None:
         if lock.position != 0.0:
             _move_origin(tree, lock)
         element.set("type", "fixed")
-        for tag in ("mimic", "limit", "dynamics", "safety_controller", "calibration"):
+        for tag in ("mimic", "limit", "dynamics", "safety_controller", "calibration", NOTE):
             for child in element.findall(tag):
                 element.remove(child)
         _disconnect_motor(tree, lock.joint.name)

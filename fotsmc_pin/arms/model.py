@@ -10,6 +10,7 @@ import pinocchio as pin
 
 from fotsmc_pin.arms.inertia import moving_mass
 from fotsmc_pin.arms.markup import urdf_text
+from fotsmc_pin.arms.mounting import gravity_size
 from fotsmc_pin.arms.properties import read_properties
 
 if TYPE_CHECKING:
@@ -46,6 +47,7 @@ def build_model(tree: UrdfTree) -> pin.Model:
             lower[joint.idx_q] = found.lower_position_limit
             upper[joint.idx_q] = found.upper_position_limit
     model.armature = armature
+    model.gravity.linear = np.array([0.0, 0.0, -gravity_size(tree)])
     model.upperEffortLimit, model.lowerEffortLimit = effort, -effort
     model.upperVelocityLimit, model.lowerVelocityLimit = velocity, -velocity
     model.lowerPositionLimit, model.upperPositionLimit = lower, upper

@@ -1,15 +1,14 @@
-"""Numbers per joint that stand in for the file's: limits, friction, damping, armature."""
+"""Numbers per joint that replace the file's: limits, friction, damping, armature."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from fotsmc_pin.arms.properties import read_properties, write_properties
+from fotsmc_pin.arms.properties import impossible, read_properties, write_properties
 from fotsmc_pin.errors import ArgumentError, UrdfError
 
 if TYPE_CHECKING:
@@ -77,12 +76,9 @@ def joint_values(argument: str, given: PerJoint, joint_names: Sequence[str]) -> 
 
 def check_property(name: str, value: float) -> None:
     """Demand a number that the property can have."""
-    if math.isnan(value):
-        raise ArgumentError(name, value, "give a number")
-    if name in ("armature", "friction", "damping") and not 0.0 <= value < math.inf:
-        raise ArgumentError(name, value, "give a finite number of at least 0")
-    if name in ("effort_limit", "velocity_limit") and not value > 0.0:
-        raise ArgumentError(name, value, "give a positive number, inf for no limit")
+    wanted = impossible(name, value)
+    if wanted is not None:
+        raise ArgumentError(name, value, f"give {wanted}")
 
 
 def _number(argument: str, value: object) -> float:

@@ -86,7 +86,7 @@ class Payload:
 
 
 def attach(payload: Payload, tree: UrdfTree, default_frame: str) -> str:
-    """Hang a payload in the tree as a link on a fixed joint and return the link's name.
+    """Add a payload to the tree as a link on a fixed joint and return the link's name.
 
     Raises:
         ArgumentError: the frame is no link of the arm.

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, TypeAlias, cast
 
 import numpy as np
 
+from fotsmc_pin.arms.demand import demand_arm
 from fotsmc_pin.arms.inertia import read_inertia, write_inertia
 from fotsmc_pin.arms.markup import parse_urdf, urdf_text
 from fotsmc_pin.arms.overrides import PerJoint, check_property, joint_values
@@ -37,6 +38,10 @@ def perturb(
     friction: PerJoint | PerLink | None = None,
     damping: PerJoint | PerLink | None = None,
     armature: PerJoint | PerLink | None = None,
+    stiction: PerJoint | PerLink | None = None,
+    stribeck_velocity: PerJoint | PerLink | None = None,
+    joint_stiffness: PerJoint | PerLink | None = None,
+    joint_damping: PerJoint | PerLink | None = None,
     seed: int | None = None,
     name: str | None = None,
 ) -> Arm:
@@ -46,8 +51,8 @@ def perturb(
     one seed always draws the same arm. A mapping from names or patterns
     (`{"*_link7": 1.5}`) changes only what it names.
 
-    The inertias of the result can belong to real bodies: where the original's break the triangle
-    inequality, they are raised to the nearest ones that obey it, and `Arm.changes` says so.
+    The inertias of the result are physically possible: where the original's violate the triangle
+    inequality, they are raised to the nearest ones that satisfy it, and `Arm.changes` says so.
     `Arm.write_urdf` writes the result as a URDF of its own.
 
     Args:
@@ -60,6 +65,14 @@ def perturb(
         friction: Coulomb friction in place of the arm's, by joint [N·m or N].
         damping: viscous friction in place of the arm's, by joint [N·m·s/rad or N·s/m].
         armature: motor inertia in place of the arm's, by joint [kg·m² or kg].
+        stiction: friction at breakaway over Coulomb friction, at least 1, by joint. From rest on,
+            friction falls along Stribeck's curve
+            `friction · (1 + (stiction - 1) exp(-(v / stribeck_velocity)²))`.
+        stribeck_velocity: speed of that fall, by joint [rad/s or m/s]; 0.05 where not given.
+        joint_stiffness: of the spring between motor and link, by joint [N·m/rad or N/m]; inf for a
+            rigid joint. The motor's inertia is the joint's armature, and friction acts on the motor
+            (Spong's model).
+        joint_damping: of that spring, by joint [N·m·s/rad or N·s/m].
         seed: where draws come from; needed when anything is drawn.
         name: what to call the result; by default the arm's name and "_perturbed".
 
@@ -67,8 +80,12 @@ def perturb(
         The changed arm; its `changes` list what was done, seed included.
 
     Raises:
-        ArgumentError: an unknown link or joint, a number out of its range, or a missing seed.
+        ArgumentError: an unknown link or joint, a number out of its range, a missing seed, or an
+            elastic joint whose motor has no inertia.
+
+    Source: Spong, Journal of Dynamic Systems, Measurement, and Control, 1987 (elastic joints).
     """
+    demand_arm(arm)
     tree = UrdfTree(parse_urdf(arm.urdf, arm.name), arm.name)
     random = RandomNumbers(seed)
     changes = [
@@ -78,7 +95,15 @@ def perturb(
         *_repair(tree),
         *_attach_payloads(tree, random, payload, arm.tool_frame),
     ]
-    per_joint = {"friction": friction, "damping": damping, "armature": armature}
+    per_joint = {
+        "friction": friction,
+        "damping": damping,
+        "armature": armature,
+        "stiction": stiction,
+        "stribeck_velocity": stribeck_velocity,
+        "joint_stiffness": joint_stiffness,
+        "joint_damping": joint_damping,
+    }
     for what, given in per_joint.items():
         if given is not None:
             changes += _set_per_joint(tree, random, what, given, arm.joint_names)
@@ -86,12 +111,32 @@ def perturb(
         changes.append(f"drawn from seed {random.seed}")
     all_changes = (*arm.changes, *changes)
     comment = "\n".join([f"Changes to {arm.name}:", *(f"  {change}" for change in all_changes)])
-    return replace(
+    changed = replace(
         arm,
         urdf=urdf_text(tree.robot, comment if all_changes else ""),
         name=name or f"{arm.name}_perturbed",
         changes=all_changes,
     )
+    demand_motors(changed)
+    return changed
+
+
+def demand_motors(arm: Arm) -> None:
+    """Refuse an elastic joint whose motor has no inertia.
+
+    Raises:
+        ArgumentError: naming the joint and the remedy.
+    """
+    for name, stiffness, rotor in zip(
+        arm.joint_names, arm.joint_stiffness, arm.armature, strict=True
+    ):
+        if np.isfinite(stiffness) and rotor == 0.0:
+            raise ArgumentError(
+                "joint_stiffness",
+                float(stiffness),
+                f"joint {name!r} has no armature, which is the inertia of the motor behind the "
+                f'spring; give armature=... here, or armature="rotors" to load_arm',
+            )
 
 
 def moving_links(tree: UrdfTree) -> list[str]:

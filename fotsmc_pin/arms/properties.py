@@ -12,13 +12,25 @@ if TYPE_CHECKING:
 
     from fotsmc_pin.arms.tree import Joint, UrdfTree
 
-# The parser behind Pinocchio refuses "inf"; a bound beyond any machine stands for it.
+NOTE = "fotsmc_pin"
+"""Tag, below `<robot>` and below `<joint>`, of what URDF has no tag for; others overlook it."""
+STRIBECK_VELOCITY = 0.05
+"""Speed at which the friction of breakaway fades, where none is given [rad/s, m/s]."""
+# Attributes of the tag below a joint, with what stands for "not given".
+NOTED = {
+    "stiction": 1.0,
+    "stribeck_velocity": STRIBECK_VELOCITY,
+    "joint_stiffness": math.inf,
+    "joint_damping": 0.0,
+}
+
+# The parser behind Pinocchio refuses "inf"; a bound beyond any machine replaces it.
 UNBOUNDED = 1e300
 
 
 @dataclass(frozen=True, kw_only=True)
 class JointProperties:
-    """Numbers of one joint, infinite limits where the file gives none."""
+    """Numbers of one joint: infinite limits, and a rigid joint, where the file gives none."""
 
     armature: float
     friction: float
@@ -27,6 +39,10 @@ class JointProperties:
     velocity_limit: float
     lower_position_limit: float
     upper_position_limit: float
+    stiction: float
+    stribeck_velocity: float
+    joint_stiffness: float
+    joint_damping: float
 
 
 def read_properties(tree: UrdfTree, joint: Joint) -> JointProperties:
@@ -54,6 +70,7 @@ def read_properties(tree: UrdfTree, joint: Joint) -> JointProperties:
         velocity_limit=_given(tree.number(limit, "velocity", 0.0, where)),
         lower_position_limit=-math.inf if lower <= -UNBOUNDED else lower,
         upper_position_limit=math.inf if upper >= UNBOUNDED else upper,
+        **_noted(tree, joint),
     )
     for name in ("armature", "friction", "damping", "effort_limit", "velocity_limit"):
         value = getattr(found, name)
@@ -75,6 +92,9 @@ def write_properties(tree: UrdfTree, joint: Joint, values: Mapping[str, float]) 
             _child(joint.element, "limit").set(name.removesuffix("_limit"), repr(limit))
     if "lower_position_limit" in values or "upper_position_limit" in values:
         _set_position_limits(tree, joint, values)
+    for name in NOTED:
+        if name in values:
+            _note(joint.element, name, float(values[name]))
     if "armature" in values:
         _set_armature(tree.robot, joint.name, float(values["armature"]))
 
@@ -90,6 +110,44 @@ def complete_limits(joint: Joint) -> bool:
         if math.isinf(float(limit.get(name, "0"))):
             limit.set(name, repr(unbounded))
     return bool(missing)
+
+
+def impossible(name: str, value: float) -> str | None:
+    """Return what a property can be, where `value` is none of it; None where it is."""
+    if name in ("armature", "friction", "damping", "joint_damping"):
+        return None if 0.0 <= value < math.inf else "a finite number of at least 0"
+    if name == "stiction":
+        return None if 1.0 <= value < math.inf else "a finite number of at least 1"
+    if name == "stribeck_velocity":
+        return None if 0.0 < value < math.inf else "a finite number above 0"
+    if name in ("effort_limit", "velocity_limit"):
+        return None if value > 0.0 else "a positive number, inf for no limit"
+    if name == "joint_stiffness":
+        return None if value > 0.0 else "a positive number, inf for a rigid joint"
+    return "a number" if math.isnan(value) else None
+
+
+def _noted(tree: UrdfTree, joint: Joint) -> dict[str, float]:
+    """Return what the tag of this library says of a joint."""
+    note, found = joint.element.find(NOTE), {}
+    for name, not_given in NOTED.items():
+        value = found[name] = tree.number(note, name, not_given, f"joint {joint.name!r}")
+        wanted = impossible(name, value)
+        if wanted is not None:
+            words = f"its {name.replace('_', ' ')} {value:g} is not {wanted}"
+            raise tree.fail(f"joint {joint.name!r}: {words}")
+    return found
+
+
+def _note(joint: ET.Element, name: str, value: float) -> None:
+    """Write a number into the tag of this library, or take it out where it says nothing."""
+    note = _child(joint, NOTE)
+    if value == NOTED[name]:
+        note.attrib.pop(name, None)
+        if not note.attrib:
+            joint.remove(note)
+    else:
+        note.set(name, repr(value))
 
 
 def _set_position_limits(tree: UrdfTree, joint: Joint, values: Mapping[str, float]) -> None:

@@ -1,4 +1,4 @@
-"""Numbers that may be given or drawn: the one language of `perturb`'s arguments."""
+"""Numbers that may be given or drawn at random, as the arguments of `perturb` are."""
 
 from __future__ import annotations
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from fotsmc_pin.arms.inertia import read_inertia
 from fotsmc_pin.arms.perturbation import moving_links
+from fotsmc_pin.arms.tool_point import joint_under
 from fotsmc_pin.arms.visuals import find_mesh
 
 if TYPE_CHECKING:
@@ -32,10 +33,21 @@ def suspicions(arm: Arm, *, gravity_load: Array, condition: float) -> Iterator[s
                 f"{joint}: gravity asks for up to {load:.3g}, {load / limit:.2f} times the effort "
                 "limit; the arm cannot hold itself everywhere"
             )
-    if condition > HIGHEST_CONDITION:
+    if arm.idle_joint is not None:
+        yield (
+            f"{arm.idle_joint}: moves no inertia of its own; the arm cannot be simulated unless "
+            "its armature or the inertia of what it carries is given"
+        )
+    elif condition > HIGHEST_CONDITION:
         yield (
             f"the mass matrix has a condition number of {condition:.1e}; the lightest joints will "
             "answer violently, consider giving their armature"
+        )
+    last = joint_under(arm.tree, arm.tool_frame)
+    if last is not None:
+        yield (
+            f"the tool frame {arm.tool_frame} lies at the origin of {last}: payloads, the mass "
+            "that the limits hold and tool paths are those of this joint; tool_frame=... moves it"
         )
     yield from _meshes(arm)
 
@@ -115,7 +127,8 @@ def _reach(arm: Arm) -> float:
             total += 1.0 if joint.type == "prismatic" else 0.0
         return total
 
-    return max(length(link) for link in tree.links)
+    # The tool frame may have been placed by the very numbers that are to be judged.
+    return max(length(link) for link in tree.links if link != arm.tool_frame)
 
 
 def _meshes(arm: Arm) -> Iterator[str]:

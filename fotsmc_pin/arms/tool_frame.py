@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-import xml.etree.ElementTree as ET
 from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING
+
+from fotsmc_pin.arms.mounting import noted
+from fotsmc_pin.arms.properties import NOTE
+from fotsmc_pin.arms.tool_point import joint_under, place_tool
 
 if TYPE_CHECKING:
     from collections.abc import Collection
 
     from fotsmc_pin.arms.tree import UrdfTree
 
-# Names and patterns that makers give to the frame at the tool, best first.
+# Names and patterns that manufacturers give to the frame at the tool, best first.
 TOOL_FRAMES = (
     "tool0",
     "tcp",
@@ -25,14 +28,17 @@ TOOL_FRAMES = (
     "*_hand",
 )
 
-NOTE = "fotsmc_pin"  # Tag that carries the choice, for which URDF has none.
 
-
-def default_tool_frame(tree: UrdfTree, hand_joints: Collection[str] = ()) -> str:
+def default_tool_frame(tree: UrdfTree, hand_joints: Collection[str] = ()) -> tuple[str, list[str]]:
     """Return a link with a usual tool name, else the last link of the longest chain.
 
     Chains are as long as they have moving joints, then as they have joints; the first one in the
-    file wins a tie. Links beyond `hand_joints`, which are fingers, do not count.
+    file wins a tie. Links beyond `hand_joints`, which are fingers, do not count. Where that link
+    lies at the origin of the last joint, and bears no usual name, a frame is placed in the tree
+    beyond it, which `place_tool` describes.
+
+    Returns:
+        The frame's name, and what is worth knowing about it in plain words.
     """
 
     def length(link: str) -> tuple[int, int]:
@@ -46,8 +52,12 @@ def default_tool_frame(tree: UrdfTree, hand_joints: Collection[str] = ()) -> str
     ]
     longest = max(palm, key=length)
     ends = [link for link in palm if length(link)[0] == length(longest)[0]]
-    usual = (link for pattern in TOOL_FRAMES for link in ends if fnmatchcase(link, pattern))
-    return next(usual, longest)
+    usual = [link for pattern in TOOL_FRAMES for link in ends if fnmatchcase(link, pattern)]
+    if not usual and joint_under(tree, longest) is not None:
+        placed = place_tool(tree, longest, hand_joints)
+        if placed is not None:
+            return placed[0], [placed[1]]
+    return next(iter(usual), longest), []
 
 
 def noted_tool_frame(tree: UrdfTree) -> str | None:
@@ -59,7 +69,4 @@ def noted_tool_frame(tree: UrdfTree) -> str | None:
 
 def note_tool_frame(tree: UrdfTree, tool_frame: str) -> None:
     """Write the tool frame into the URDF, which has no tag of its own for it."""
-    note = tree.robot.find(NOTE)
-    if note is None:
-        note = ET.SubElement(tree.robot, NOTE)
-    note.set("tool_frame", tool_frame)
+    noted(tree.robot).set("tool_frame", tool_frame)

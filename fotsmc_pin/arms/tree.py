@@ -24,7 +24,7 @@ REFUSED_TYPES = {
 
 @dataclass(frozen=True)
 class Joint:
-    """One `<joint>` element and what hangs on it."""
+    """One `<joint>` element, and the links that it connects."""
 
     element: ET.Element
     name: str

@@ -6,7 +6,7 @@ import importlib.util
 import math
 from typing import TYPE_CHECKING
 
-from fotsmc_pin.cli.output import plain_console
+from fotsmc_pin.cli.output import plain_console, plain_table
 
 if TYPE_CHECKING:
     from fotsmc_pin.arms import Inspection
@@ -14,12 +14,10 @@ if TYPE_CHECKING:
 
 def arms_command() -> None:
     """List the arms that go by a name here: joints, mass, limits known, and what they can lift."""
-    from rich.table import Table
-
     from fotsmc_pin.arms import inspect_arm, load_arm
     from fotsmc_pin.arms.catalog import example_robots_folder, known_names
 
-    table = Table(title="Arms", title_justify="left")
+    table = plain_table("Arms")
     table.add_column("name", no_wrap=True)
     table.add_column("joints", justify="right")
     table.add_column("moving mass [kg]", justify="right")
@@ -44,7 +42,7 @@ def arms_command() -> None:
         "100 random configurations."
     )
     if example_robots_folder() is None:
-        console.print('More arms come with: pip install "fotsmc_pin[robots]"')
+        console.print("More arms come with: pip install example-robot-data")
     if importlib.util.find_spec("robot_descriptions") is not None:
         console.print("Names of robot_descriptions do as well; it fetches a robot when first used.")
     console.print("Any URDF file does as well: fotsmc inspect my.urdf")

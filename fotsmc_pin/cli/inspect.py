@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fotsmc_pin.cli.output import plain_console
+from fotsmc_pin.cli.arm_options import ArmName, ArmOptions
+from fotsmc_pin.cli.groups import with_groups
+from fotsmc_pin.cli.output import plain_console, plain_table
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -17,29 +18,24 @@ if TYPE_CHECKING:
     from fotsmc_pin.arms import Inspection
 
 
+@with_groups
 def inspect_command(
-    file: Annotated[str, typer.Argument(help="A URDF file, or a name that `fotsmc arms` lists.")],
-    lock: Annotated[
-        list[str] | None, typer.Option(help="Joint to fix, name or pattern; may be repeated.")
-    ] = None,
-    keep: Annotated[
-        list[str] | None, typer.Option(help="Only joint to leave free; may be repeated.")
-    ] = None,
-    package_dir: Annotated[
-        list[Path] | None, typer.Option(help="Where package:// begins; may be repeated.")
-    ] = None,
+    file: ArmName,
+    arm_options: ArmOptions,
     samples: Annotated[int, typer.Option(help="Number of random configurations.")] = 200,
     seed: Annotated[int, typer.Option(help="Where they are drawn from.")] = 0,
 ) -> None:
     """Say what was understood of a URDF: joints, limits, loads, and what looks wrong."""
-    from fotsmc_pin.arms import inspect_arm, load_arm
+    from fotsmc_pin.arms import inspect_arm
 
-    arm = load_arm(file, lock=lock or None, keep=keep or None, package_dirs=package_dir or ())
+    arm = arm_options.load(file)
     found = inspect_arm(arm, samples=samples, seed=seed)
     console = plain_console()
     console.print(_joints(found))
     console.print(_loads(found))
     _say(console, _facts(found))
+    for remark in found.remarks:
+        _say(console, ["", remark])
     if arm.notes:
         _say(console, ["", "Decided while loading:", *(f"  {note}" for note in arm.notes)])
     if found.warnings:
@@ -73,10 +69,8 @@ def _facts(found: Inspection) -> list[str]:
 
 def _joints(found: Inspection) -> Table:
     """Joints and their limits, each with where it comes from."""
-    from rich.table import Table
-
     arm = found.arm
-    table = Table(title=f"{arm.name}: limits as the file gives them", title_justify="left")
+    table = plain_table(f"{arm.name}: limits as the file gives them")
     table.add_column("joint", no_wrap=True)
     table.add_column("type")
     for heading in ("position", "velocity", "effort"):
@@ -100,10 +94,8 @@ def _joints(found: Inspection) -> Table:
 
 def _loads(found: Inspection) -> Table:
     """Loads, inertias and friction of the joints."""
-    from rich.table import Table
-
     arm = found.arm
-    table = Table(title="Loads over random configurations", title_justify="left")
+    table = plain_table("Loads over random configurations")
     table.add_column("joint", no_wrap=True)
     for heading in ("gravity", "of the limit", "inertia", "armature", "friction", "damping"):
         table.add_column(heading, justify="right")

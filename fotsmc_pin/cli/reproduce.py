@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from fotsmc_pin.cli.output import Force, plain_console, result_folder
+from fotsmc_pin.cli.output import Force, plain_console, plain_table, result_folder
 
 
 def reproduce(
@@ -15,14 +15,12 @@ def reproduce(
     force: Force = False,
 ) -> None:
     """Run the paper's two-link case and judge its claims."""
-    from rich.table import Table
-
     from fotsmc_pin.paper.reproduce import reproduce as run_the_paper
 
     folder = result_folder(out, force=force)
     verdicts = run_the_paper(folder, progress=True)
 
-    table = Table(title="The paper's claims", title_justify="left")
+    table = plain_table("The paper's claims")
     for column in ("where", "claim", "holds"):
         table.add_column(column)
     for verdict in verdicts:

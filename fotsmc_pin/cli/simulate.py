@@ -4,108 +4,175 @@ from __future__ import annotations
 
 import webbrowser
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from fotsmc_pin.cli.output import Force, plain_console, result_folder
-from fotsmc_pin.errors import ArgumentError, DivergenceError
+from fotsmc_pin.cli.arm_options import ArmName, ArmOptions
+from fotsmc_pin.cli.groups import with_groups
+from fotsmc_pin.cli.law_options import LawOptions
+from fotsmc_pin.cli.output import (
+    INTERRUPTED,
+    Force,
+    file_name,
+    result_folder,
+    say,
+    say_error,
+)
+from fotsmc_pin.cli.plant_options import PlantOptions
+from fotsmc_pin.cli.run_references import complete_reference
+from fotsmc_pin.errors import ArgumentError, DivergenceError, RunInterrupted
 
 if TYPE_CHECKING:
-    from fotsmc_pin.analysis import Summary
+    from fotsmc_pin.arms import Arm
+    from fotsmc_pin.simulation import Recording
+    from fotsmc_pin.types import Actuator, Sensor
+
+VELOCITY_NOISE = 100.0
+"""Noise of the measured speed over that of the measured position [1/s]."""
 
 
+@with_groups
 def simulate(
-    arm: Annotated[str, typer.Argument(help="A URDF file, or a name that `fotsmc arms` lists.")],
-    out: Annotated[Path | None, typer.Option(help="Folder for the results.")] = None,
-    controller: Annotated[str, typer.Option(help="Name of the control law.")] = "AdaptiveFONFTSM",
-    preset: Annotated[str | None, typer.Option(help="Set of gains; see the law's page.")] = None,
-    gain: Annotated[
-        list[str] | None, typer.Option(help="A single gain, as name=number or name=word.")
+    arm: ArmName,
+    *,
+    arm_options: ArmOptions,
+    law: LawOptions,
+    true: Annotated[
+        str | None,
+        typer.Option(
+            "--true",
+            help="URDF of the true arm, the plant; by default the nominal one.",
+            rich_help_panel="How the true arm differs",
+        ),
     ] = None,
-    mass_scale: Annotated[float, typer.Option(help="Scale of all the true masses.")] = 1.0,
-    payload: Annotated[float, typer.Option(help="Mass at the true tool frame [kg].")] = 0.0,
-    start_error: Annotated[float, typer.Option(help="Start error of each joint [rad].")] = 0.0,
-    duration: Annotated[float, typer.Option(help="Simulated time [s].")] = 10.0,
+    plant: PlantOptions,
+    reference: Annotated[
+        str,
+        typer.Option(
+            help="sine, move (point to point, then rest), hold, paper, or a CSV file with a column "
+            "of times [s] and one per joint [rad, m].",
+            autocompletion=complete_reference,
+        ),
+    ] = "sine",
+    start_error: Annotated[float, typer.Option(help="Start error of each joint [rad, m].")] = 0.0,
+    disturbance: Annotated[
+        str,
+        typer.Option(help="none, push (a tenth of the effort limits for 0.2 s), or paper."),
+    ] = "none",
+    noise: Annotated[
+        float,
+        typer.Option(
+            help="Standard deviation of the measured positions [rad, m]; speeds get 100 times as "
+            "much per second [rad/s, m/s]."
+        ),
+    ] = 0.0,
+    delay: Annotated[int, typer.Option(help="Ticks by which the torque comes late.")] = 0,
+    duration: Annotated[
+        float | None,
+        typer.Option(help="Simulated time [s]; by default 10, or the length of the CSV file."),
+    ] = None,
     dt: Annotated[float, typer.Option(help="Period of a tick [s].")] = 1e-3,
-    substeps: Annotated[int, typer.Option(help="RK4 steps in a tick.")] = 1,
-    package_dir: Annotated[
-        list[Path] | None, typer.Option(help="Where package:// begins; may be repeated.")
+    substeps: Annotated[int, typer.Option(help="Steps of the integrator in a tick.")] = 1,
+    integrator: Annotated[
+        Literal["rk4", "semi-implicit"] | None,
+        typer.Option(help="By default what the friction asks for."),
     ] = None,
+    record_every: Annotated[int, typer.Option(help="Ticks from one recorded row to the next.")] = 1,
+    out: Annotated[Path | None, typer.Option("--out", "-o", help="Folder for the results.")] = None,
     open_page: Annotated[bool, typer.Option("--open", help="Open the page when done.")] = False,
     force: Force = False,
 ) -> None:
     """Simulate a controller on an arm that differs from what the controller believes."""
-    from fotsmc_pin import load_arm, perturb, plot
     from fotsmc_pin import simulate as run
-    from fotsmc_pin.analysis import summarize
-    from fotsmc_pin.checks import choice
-    from fotsmc_pin.control import CONTROLLERS
-    from fotsmc_pin.files import write_json
-    from fotsmc_pin.references import Sinusoid
-    from fotsmc_pin.view import export_html
+    from fotsmc_pin.cli.run_disturbances import disturbance as disturbing
+    from fotsmc_pin.cli.run_references import task as find_task
+    from fotsmc_pin.cli.run_results import Told, keep_results
+    from fotsmc_pin.references import warn_of_limits
 
-    law = CONTROLLERS[choice("--controller", controller, [*CONTROLLERS])]
-    nominal = load_arm(arm, package_dirs=[str(folder) for folder in package_dir or ()])
-    true = perturb(nominal, mass_scale=mass_scale, payload=payload)
-    if preset is None:
-        preset = "practical" if "practical" in law.presets else next(iter(law.presets))
-    ctl = law(nominal, dt, preset=preset, **_gains(gain or []))
-    reference = Sinusoid.inside_limits(nominal)
-    q_start, _, _ = reference(0.0)
-    folder = result_folder(out or Path("out") / nominal.name, force=force)
-    try:
-        rec = run(
-            true,
-            ctl,
-            reference,
-            duration,
-            q0=nominal.integrate(q_start, [start_error] * nominal.nv),
+    nominal = arm_options.load(arm)
+    plant_arm = _true_arm(nominal, true, plant, arm_options)
+    controller = law.make(nominal, dt)
+    task = find_task(reference, nominal)
+    seconds = task.duration if duration is None else duration
+    folder = result_folder(out or Path("out") / file_name(nominal.name), force=force)
+    disturbed = disturbing(disturbance, plant_arm, seconds)
+    sensor, actuator = _sensor(nominal, noise, plant.seed), _actuator(delay)
+    q0 = nominal.integrate(task.q_start, [start_error] * nominal.nv)
+    warn_of_limits(plant_arm, task.reference, seconds)
+    told = Told(
+        nominal=nominal,
+        controller=controller,
+        reference=task.words,
+        true=true,
+        disturbance=disturbance,
+        noise=noise,
+        delay=delay,
+        start_error=start_error,
+    )
+
+    def simulated() -> Recording:
+        return run(
+            plant_arm,
+            controller,
+            task.reference,
+            seconds,
+            q0=q0,
+            disturbance=disturbed,
+            sensor=sensor,
+            actuator=actuator,
             substeps=substeps,
+            integrator=integrator,
+            record_every=record_every,
             progress=True,
         )
+
+    try:
+        rec = simulated()
     except DivergenceError as error:
         error.recording.save(folder / "run.npz")
-        raise
-    rec.save(folder / "run.npz")
-    summary = summarize(rec)
-    write_json(folder / "metrics.json", summary.as_dict())
-    plot(rec, folder / "run.png")
-    page = folder / f"{nominal.name}.html"
-    export_html(rec, page)
-    console = plain_console()
-    console.print(_table(nominal.name, summary))
-    console.print(f"Open {page} in a browser; the run is kept in {folder / 'run.npz'}.")
+        say_error(f"{error}. The run up to there is kept in {folder / 'run.npz'}")
+        raise typer.Exit(2) from None
+    except RunInterrupted as stop:
+        stopped = stop.recording
+        if not len(stopped):
+            raise
+        stopped.save(folder / "run.npz")
+        say_error(
+            f"interrupted at t = {stopped.t[-1]:.4g} s; the run so far is kept in "
+            f"{folder / 'run.npz'}"
+        )
+        raise typer.Exit(INTERRUPTED) from None
+    page = keep_results(rec, told, folder)
+    say(f"Open {page} in a browser; the run is kept in {folder / 'run.npz'}.")
     if open_page:
         webbrowser.open(page.resolve().as_uri())
 
 
-def _gains(pairs: list[str]) -> dict[str, float | str | bool]:
-    gains: dict[str, float | str | bool] = {}
-    for pair in pairs:
-        name, equals, value = pair.partition("=")
-        if not equals:
-            raise ArgumentError("--gain", pair, "write name=value")
-        try:
-            gains[name] = float(value)
-        except ValueError:
-            gains[name] = {"true": True, "false": False}.get(value.lower(), value)
-    return gains
+def _true_arm(nominal: Arm, true: str | None, plant: PlantOptions, options: ArmOptions) -> Arm:
+    from fotsmc_pin.cli.true_arm import load_true_arm
+
+    if true is None:
+        return plant.apply(nominal)
+    loaded = load_true_arm(true, nominal, options)
+    return plant.apply(loaded) if plant.asks_for_changes else loaded
 
 
-def _table(title: str, summary: Summary) -> object:
-    from rich.table import Table
+def _sensor(nominal: Arm, noise: float, seed: int | None) -> Sensor | None:
+    from fotsmc_pin.simulation import NoisySensor
 
-    table = Table(title=title, title_justify="left")
-    table.add_column("metric")
-    table.add_column("value", justify="right")
-    for name, value in (
-        ("settling to 10 mrad [s]", f"{summary.settling_time:.3f}"),
-        ("RMS error, last half [mrad]", f"{1e3 * summary.tail_rms_error:.4g}"),
-        ("largest error, last half [mrad]", f"{1e3 * summary.max_tail_error:.4g}"),
-        ("peak torque [N·m]", f"{summary.peak_torque:.4g}"),
-        ("torque variation, last half [N·m/s]", f"{summary.tail_torque_variation:.4g}"),
-        ("ticks at a limit [%]", f"{100 * summary.saturation_fraction:.3g}"),
-    ):
-        table.add_row(name, value)
-    return table
+    if noise == 0.0:
+        return None
+    if not noise > 0.0:
+        raise ArgumentError("--noise", noise, "give a standard deviation of at least 0")
+    return NoisySensor(nominal, position=noise, velocity=VELOCITY_NOISE * noise, seed=seed or 0)
+
+
+def _actuator(delay: int) -> Actuator | None:
+    from fotsmc_pin.simulation import TickDelay
+
+    if delay == 0:
+        return None
+    if delay < 0:
+        raise ArgumentError("--delay", delay, "give a whole number of ticks, at least 0")
+    return TickDelay(delay)

@@ -1,33 +1,53 @@
-"""`fotsmc stress`: controllers times arms in one hard scenario, as a table."""
+"""`fotsmc stress`: controllers times arms times hard scenarios, as tables."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from fotsmc_pin.cli.output import Force, plain_console, result_folder
+from fotsmc_pin.cli.arm_options import ArmNames, ArmOptions
+from fotsmc_pin.cli.groups import with_groups
+from fotsmc_pin.cli.law_options import complete_law
+from fotsmc_pin.cli.output import Force, plain_console, result_folder, say
+from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.files import write_json, write_text
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from rich.table import Table
 
     from fotsmc_pin.arms import Arm
     from fotsmc_pin.control import Controller
-    from fotsmc_pin.evaluation.stress import StressRow
+    from fotsmc_pin.evaluation.stress import SeededRow, StressRow
 
 SHOWN_DRAWS = 10
+DEFAULT_CASE = "sine raw"
 
 
+@with_groups
 def stress(
-    arms: Annotated[list[str], typer.Argument(help="URDF files, or names of `fotsmc arms`.")],
+    arms: ArmNames,
+    *,
+    arm_options: ArmOptions,
     controller: Annotated[
-        list[str] | None, typer.Option(help="Name of a law; may be repeated. All by default.")
+        list[str] | None,
+        typer.Option(
+            help="Name of a law; may be repeated. All by default.",
+            metavar="LAW",
+            autocompletion=complete_law,
+        ),
+    ] = None,
+    scenario: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="sine, hold, moves, rotors, delay, slow, stribeck, light, elastic, encoder, all, "
+            "or one case such as 'hold raw'; may be repeated. 'sine raw' by default."
+        ),
     ] = None,
     pid_trials: Annotated[
         int, typer.Option(help="Add the best PID that this many trials find on each arm.")
@@ -45,45 +65,68 @@ def stress(
         int, typer.Option(help="Run RobustFONFTSM in this many random scenarios instead.")
     ] = 0,
     first_seed: Annotated[int, typer.Option(help="Seed of the first random scenario.")] = 0,
-    duration: Annotated[float, typer.Option(help="Simulated time of a run [s].")] = 6.0,
+    duration: Annotated[
+        float | None,
+        typer.Option(help="Simulated time of a run [s]; by default each scenario's own."),
+    ] = None,
     seed: Annotated[int, typer.Option(help="Seed of the noise and of the search.")] = 0,
+    jobs: Annotated[int, typer.Option(help="Processes on this machine; -1 for one per core.")] = 1,
     out: Annotated[
         Path | None, typer.Option(help="Folder for the table as stress.md and stress.json.")
     ] = None,
     force: Force = False,
 ) -> None:
     """Put arms under stress: heavier than believed, with friction, noise, delay and start error."""
-    from fotsmc_pin.arms import load_arm
-    from fotsmc_pin.evaluation.stress import run_random_scenarios
+    from fotsmc_pin.evaluation.stress import chosen_cases
     from fotsmc_pin.evaluation.stress import stress as run_suite
 
+    chosen_cases(scenario or DEFAULT_CASE)
+    if scenario and (draws or ablation or pid_trials):
+        raise ArgumentError(
+            "--scenario", scenario, "leave it out with --draws, --ablation and --pid-trials"
+        )
     folder = None if out is None else result_folder(out, force=force)
     rows: list[StressRow] = []
     seeds: list[int] = []
-    for name in arms:
-        arm = load_arm(name)
+    for arm in [arm_options.load(name) for name in arms]:
         if draws:
-            drawn = run_random_scenarios(arm, draws, first_seed=first_seed, progress=True)
+            drawn = _drawn(arm, draws, first_seed, duration)
             rows += [found.row for found in drawn]
             seeds += [found.seed for found in drawn]
         elif ablation:
             rows += _ablation(arm, seed, duration)
         else:
-            rows += run_suite([arm], controller, duration=duration, seed=seed, progress=True)
+            rows += run_suite(
+                [arm],
+                controller,
+                scenarios=scenario or DEFAULT_CASE,
+                duration=duration,
+                seed=seed,
+                jobs=jobs,
+                progress=True,
+            )
         if pid_trials:
             rows.append(_best_pid(arm, pid_trials, pid_variation, seed, duration))
         if folder is not None:
             _write(folder, rows, seeds)
     console = plain_console()
-    console.print(_table(rows, seeds))
+    for table in _tables(rows, seeds, console.width):
+        console.print(table)
     if folder is not None:
-        console.print(f"The table is kept in {folder / 'stress.md'}.")
+        say(f"The table is kept in {folder / 'stress.md'}.")
 
 
-def _ablation(arm: Arm, seed: int, duration: float) -> list[StressRow]:
+def _drawn(arm: Arm, draws: int, first_seed: int, duration: float | None) -> list[SeededRow]:
+    from fotsmc_pin.evaluation.stress import run_random_scenarios
+
+    span: dict[str, Any] = {} if duration is None else {"duration": duration}
+    return run_random_scenarios(arm, draws, first_seed=first_seed, progress=True, **span)
+
+
+def _ablation(arm: Arm, seed: int, duration: float | None) -> list[StressRow]:
     from fotsmc_pin.evaluation.stress import ablate, stress_scenario
+    from fotsmc_pin.evaluation.stress.judging import run_row
     from fotsmc_pin.evaluation.stress.scenario import DT
-    from fotsmc_pin.evaluation.stress.table import run_row
 
     scenario = stress_scenario(arm, seed=seed)
     rows = ablate(
@@ -107,12 +150,12 @@ def _best_pid(
     trials: int,
     variation: float,
     seed: int,
-    duration: float,
+    duration: float | None,
 ) -> StressRow:
     from fotsmc_pin.control import RobustFONFTSM
     from fotsmc_pin.evaluation.stress import best_pid, stress_scenario
+    from fotsmc_pin.evaluation.stress.judging import run_row
     from fotsmc_pin.evaluation.stress.scenario import DT
-    from fotsmc_pin.evaluation.stress.table import run_row
 
     scenario = stress_scenario(arm, seed=seed)
     largest = math.inf
@@ -123,7 +166,7 @@ def _best_pid(
         scenario,
         trials=trials,
         seed=seed,
-        duration=duration,
+        duration=scenario.course.duration if duration is None else duration,
         largest_variation=largest,
         progress=True,
     )
@@ -131,23 +174,36 @@ def _best_pid(
     return replace(row, controller=f"best PID of {trials} ({shown})")
 
 
-def _table(rows: Sequence[StressRow], seeds: Sequence[int]) -> Table:
-    """Return the rows for the terminal; of random scenarios, the ten worst."""
+def _tables(rows: Sequence[StressRow], seeds: Sequence[int], width: int) -> Iterator[Table]:
+    """Yield the tables for the terminal; of random scenarios, the ten worst."""
+    from fotsmc_pin.evaluation.stress.table import is_matrix, listing, matrices, turned
+
+    if is_matrix(rows):
+        for title, lines in matrices(rows).items():
+            needed = sum(2 + max(map(len, column)) for column in zip(*lines, strict=True))
+            yield _table(title, lines if needed <= width else turned(lines))
+        return
+    lines = listing(rows[:SHOWN_DRAWS] if seeds else rows)
+    if seeds:
+        for line, seed in zip(lines, ["seed", *map(str, seeds)], strict=False):
+            line.append(seed)
+    title = f"The worst of {len(seeds)} random scenarios" if seeds else "Stress suite"
+    yield _table(title, lines)
+
+
+def _table(title: str, lines: Sequence[Sequence[str]]) -> Table:
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
 
-    from fotsmc_pin.evaluation.stress.table import COLUMNS, cells
-
-    title = f"The worst of {len(seeds)} random scenarios" if seeds else "Stress suite"
     table = Table(
         title=title, title_justify="left", box=SIMPLE_HEAD, collapse_padding=True, pad_edge=False
     )
-    for k, column in enumerate((*COLUMNS, "seed") if seeds else COLUMNS):
-        names = k < 2
+    for k, column in enumerate(lines[0]):
+        names = k == 0 or column == "controller"
         justify: Literal["left", "right"] = "left" if names else "right"
         table.add_column(column, justify=justify, no_wrap=names, overflow="fold")
-    for k, row in enumerate(rows[:SHOWN_DRAWS] if seeds else rows):
-        table.add_row(*cells(row), *([str(seeds[k])] if seeds else []))
+    for line in lines[1:]:
+        table.add_row(*line)
     return table
 
 

@@ -7,7 +7,16 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fotsmc_pin.cli.output import Force, plain_console, result_folder
+from fotsmc_pin.cli.output import (
+    INTERRUPTED,
+    Force,
+    file_name,
+    plain_console,
+    plain_table,
+    result_folder,
+    say,
+    say_error,
+)
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -38,42 +47,50 @@ def study_command(
     """
     from fotsmc_pin import checks
     from fotsmc_pin.analysis.metrics import UNITS
-    from fotsmc_pin.evaluation.studies import read_study, study
+    from fotsmc_pin.evaluation.studies import check_study, read_study, study
 
     checks.choice("--metric", metric, [*UNITS])
     run, arguments = read_study(file)
-    folder = out or Path("out") / file.stem
-    if force or not (folder / STORE).is_file():
+    check_study(run, **arguments)
+    folder = out or Path("out") / file_name(file.stem)
+    store = folder / STORE
+    if force or not store.is_file():
         result_folder(folder, force=force)
         for old in folder.glob(f"{STORE}*"):
             old.unlink()
-    found = study(
-        run,
-        **arguments,
-        jobs=jobs,
-        store=folder / STORE,
-        scheduler=scheduler,
-        retry_failed=retry_failed,
-        progress=True,
-    )
+    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        found = study(
+            run,
+            **arguments,
+            jobs=jobs,
+            store=store,
+            scheduler=scheduler,
+            retry_failed=retry_failed,
+            progress=True,
+        )
+    except KeyboardInterrupt:
+        say_error(
+            f"interrupted; every finished run is kept in {store}, and the same command goes on "
+            "from there"
+        )
+        raise typer.Exit(INTERRUPTED) from None
     console = plain_console()
     for row in found.failed[:5]:
-        console.print(f"failed: {dict(row.parameters)}: {row.error}")
+        say(f"failed: {dict(row.parameters)}: {row.error}")
     if found.succeeded:
         _show(console, found, list(arguments["grid"]), metric, folder)
         _keep_worst(run, found.worst(metric), folder)
-        console.print(f"All {len(found)} runs are in {folder / STORE}, {len(found.failed)} failed.")
-        console.print(f"Open {folder / 'worst.html'} in a browser: the worst run.")
+        say(f"All {len(found)} runs are in {store}, {len(found.failed)} failed.")
+        say(f"Open {folder / 'worst.html'} in a browser: the worst run.")
     else:
-        console.print(f"All {len(found)} runs failed.")
+        say(f"All {len(found)} runs failed.")
         raise typer.Exit(1)
 
 
 def _show(
     console: Console, found: StudyResult, names: list[str], metric: str, folder: Path
 ) -> None:
-    from rich.table import Table
-
     from fotsmc_pin.analysis.metrics import UNITS
     from fotsmc_pin.evaluation.studies import StudyResult
     from fotsmc_pin.view import distribution_figure, save_figure
@@ -84,7 +101,7 @@ def _show(
         rows.setdefault(name, []).append(row)
     groups = {name: StudyResult(tuple(members)) for name, members in rows.items()}
     unit = UNITS[metric]
-    table = Table(title=f"{metric} [{unit}]", title_justify="left")
+    table = plain_table(f"{metric} [{unit}]")
     table.add_column("group")
     for column in ("runs", "5 %", "median", "95 %", "worst"):
         table.add_column(column, justify="right")

@@ -4,7 +4,12 @@ from typing import Any
 
 from fotsmc_pin.control.adaptive_fonftsm import AdaptiveFONFTSM
 from fotsmc_pin.control.computed_torque import ComputedTorque
-from fotsmc_pin.control.conditions import GravityWarning, PaperConditionWarning, warn_of_gravity
+from fotsmc_pin.control.conditions import (
+    GravityWarning,
+    PaperConditionWarning,
+    TickWarning,
+    warn_of_gravity,
+)
 from fotsmc_pin.control.continuous_tsm import ContinuousTSM
 from fotsmc_pin.control.controller import Controller
 from fotsmc_pin.control.differentiator import ExactDifferentiator, FilteredDifferentiator
@@ -57,5 +62,6 @@ __all__ = [
     "SoftStart",
     "SuperTwistingSMC",
     "TerminalSMC",
+    "TickWarning",
     "warn_of_gravity",
 ]

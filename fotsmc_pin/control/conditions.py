@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,8 +11,15 @@ from fotsmc_pin.user_warnings import warn_user
 
 if TYPE_CHECKING:
     from fotsmc_pin.arms import Arm
+    from fotsmc_pin.control.gains import Gains
 
 SAMPLES = 200
+POWERS = {"1/s": 1, "rad/s": 1, "1/s²": 2, "1/s³": 3}
+"""Units of gains that are rates, with the power of the rate that they are."""
+FILTERS = frozenset({"filter_rate"})
+"""Rates that may be as high as they like: a filter that fast lets everything through."""
+LARGEST_STEP = 0.5
+"""Product of a rate and the period above which a sampled loop has lost its damping."""
 
 
 class PaperConditionWarning(UserWarning):
@@ -20,6 +28,10 @@ class PaperConditionWarning(UserWarning):
 
 class GravityWarning(UserWarning):
     """Gravity asks a joint for more than its effort limit in a configuration that it can reach."""
+
+
+class TickWarning(UserWarning):
+    """The ticks are too slow for the rates that the gains ask for."""
 
 
 def obeys_power_condition(power: float) -> bool:
@@ -76,5 +88,36 @@ def warn_of_gravity(arm: Arm, law: object = None) -> None:
             "controller can hold the arm everywhere; stay where it can be held, or give "
             "load_arm(effort_limit=...) the true limits",
             GravityWarning,
+            law,
+        )
+
+
+def warn_of_slow_ticks(gains: Gains, dt: float, law: object = None) -> None:
+    """Warn where the period of a tick is too long for a gain that is a rate.
+
+    A loop that decays at the rate `r` and is sampled each `dt` keeps its damping while `r dt` is
+    small; above 0.5 it rings, above 2 it diverges (`(1 - r dt)^k`).
+
+    Args:
+        gains: of the law; those with the unit of a rate, or of its square or cube, count.
+        dt: period of a tick [s].
+        law: the controller in the making, if there is one.
+
+    Warns:
+        TickWarning: which gains, and the longest period that they bear.
+    """
+    rates = {
+        f.name: float(np.max(getattr(gains, f.name))) ** (1.0 / POWERS[f.metadata["unit"]])
+        for f in fields(gains)
+        if f.metadata.get("unit") in POWERS and f.name not in FILTERS
+    }
+    too_fast = {name: rate for name, rate in rates.items() if rate * dt > LARGEST_STEP}
+    if too_fast:
+        shown = ", ".join(f"{name} ({rate:.3g} rad/s)" for name, rate in too_fast.items())
+        longest = LARGEST_STEP / max(too_fast.values())
+        warn_user(
+            f"ticks of {1e3 * dt:.3g} ms are slow for {shown}: take at most "
+            f"{1e3 * longest:.2g} ms, or lower these gains",
+            TickWarning,
             law,
         )

@@ -12,15 +12,16 @@ import pinocchio as pin
 from typing_extensions import TypeVar
 
 from fotsmc_pin import checks
-from fotsmc_pin.arms import Arm
+from fotsmc_pin.arms import Arm, demand_arm
 from fotsmc_pin.compiled import restricted, specialized
 from fotsmc_pin.control.arguments import cleaned_arguments, read_arguments
+from fotsmc_pin.control.conditions import warn_of_gravity, warn_of_slow_ticks
 from fotsmc_pin.control.declaration import check_declaration
 from fotsmc_pin.control.gains import Gains
 from fotsmc_pin.control.rows import NoRows, new_table, rows, signal_views
 from fotsmc_pin.control.saved_state import restore, saved
 from fotsmc_pin.copying import SharesNothing
-from fotsmc_pin.errors import ArgumentError, MeasurementError
+from fotsmc_pin.errors import MeasurementError
 from fotsmc_pin.notebook import page_of
 
 if TYPE_CHECKING:
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike
 
+    from fotsmc_pin.arms import Arm
     from fotsmc_pin.fractional import FractionalOperator, Stream
     from fotsmc_pin.types import Array
 
@@ -111,17 +113,18 @@ class Controller(SharesNothing, ABC, Generic[G]):
 
         Raises:
             ArgumentError: naming the argument, its value and the remedy.
+            UrdfError: a joint of the arm moves no inertia, so that it has no dynamics.
         """
-        if not isinstance(arm, Arm):
-            raise ArgumentError("arm", arm, "give an arm, as load_arm returns it")
+        demand_arm(arm)
         self.arm = arm
         self.dt = checks.finite_number("dt", dt, above=0.0)
         self.preset = checks.choice("preset", preset or next(iter(self.presets)), [*self.presets])
         self.gains = self.Gains.resolve(arm, self.dt, self.presets[self.preset], gains)  # type: ignore[assignment]
         self._configurations = np.zeros((2, arm.nq))
-        self._table = new_table(self.gains, self.State, self.Work, arm.effort_limit)
+        gains_in_force = self.effective_gains()
+        self._table = new_table(gains_in_force, self.State, self.Work, arm.effort_limit)
         self.memories: dict[str, Stream] = {
-            name: operator(self.gains, self.dt).stream(arm.nv)
+            name: operator(gains_in_force, self.dt).stream(arm.nv)
             for name, operator in self.streams.items()
         }
         self._link()
@@ -130,6 +133,12 @@ class Controller(SharesNothing, ABC, Generic[G]):
 
     def review(self) -> None:
         """Warn of what the arm or the gains make impossible; called once, when both stand."""
+        warn_of_gravity(self.arm, self)
+        warn_of_slow_ticks(self.gains, self.dt, self)
+
+    def effective_gains(self) -> G:
+        """Return the gains that the tick and the streams are made with; `gains` by default."""
+        return self.gains
 
     def start(self) -> None:
         """Fill in what the memory starts from, where that is not zero; called by `reset`."""

@@ -112,7 +112,7 @@ class ExactDifferentiator(SharesNothing):
         if self._last is not None:
             step = self.arm.difference(self._last, q)
             if self._moved:
-                follow(period, self.jerk, self._state)
+                follow(period, self.jerk, *self._state)
             else:  # The first difference is the start; the law would take long to find it.
                 self._state[:2] = step, step / period
                 self._moved = True
@@ -123,13 +123,12 @@ class ExactDifferentiator(SharesNothing):
 
 
 @kernel
-def follow(dt: float, jerk: Array, state: Array) -> None:
+def follow(dt: float, jerk: Array, x: Array, y: Array, z: Array, travel: Array) -> None:
     """Lead the exact differentiator to the time of the next sample.
 
-    `state` holds `x`, `y`, `z` and the travel at the last sample. The terms of Taylor's series
+    `travel` is the position at the last sample. The terms of Taylor's series
     beyond Euler's keep its accuracy in discrete time (Livne and Levant, Automatica, 2014).
     """
-    x, y, z, travel = state[0], state[1], state[2], state[3]
     for i in range(x.size):
         L = jerk[i]
         x_dot = y[i] - 2.0 * L ** (1.0 / 3.0) * sig(x[i] - travel[i], 2.0 / 3.0)

@@ -124,7 +124,8 @@ class FractionalSurfaceLaw(Controller[G]):
     signal_rows: ClassVar[SignalRows] = {"s": "S", "w": "w"}
 
     def review(self) -> None:
-        """Warn where `1 < p/q < 2` does not hold."""
+        """Warn where `1 < p/q < 2` does not hold, and of all that concerns every law."""
+        super().review()
         warn_of_power(self.gains.power, self.gains.error_floor, self)
 
     def start(self) -> None:

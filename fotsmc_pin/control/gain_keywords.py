@@ -115,17 +115,19 @@ class NonsingularTSMKeywords(TypedDict, total=False):
 class RobustFONFTSMKeywords(TypedDict, total=False):
     """Gains of `RobustFONFTSM`."""
 
+    bandwidth: float
     alpha: float
     tempering: float
-    A: PerJoint | None
+    A: PerJoint
     lam: PerJoint
     power: float
-    reach: PerJoint
-    theta: PerJoint | None
+    reach: PerJoint | None
+    theta: PerJoint
     mu: float
     integral: PerJoint
     boundary_layer: PerJoint
-    observer: PerJoint | None
+    observer: PerJoint
+    rotor_limit: PerJoint | None
     floor_share: PerJoint
     floor_rate: PerJoint
     floor_limit: PerJoint | None

@@ -5,7 +5,7 @@ Every scheme has the same shape. The modes `Z_k` carry all intervals but the new
     y_n = Σ_k d_k Z_k + Σ_m l_m v_m,        Z_k ← d_k Z_k + Σ_m g_{k,m} v_m,
 
 where the `v_m` are value, difference and curvature of the newest interval (see `interval`). The
-output is affine in the newest sample, which `predict` uses. Arguments are trusted here.
+output is affine in the newest sample, which `predict` uses. Arguments are not checked here.
 
     advance(coefficients, memory, x, dt, y)                 y in place
     gain = predict(coefficients, memory, dt, y_history)     y = y_history + gain x, memory untouched
@@ -89,9 +89,9 @@ def commit(coefficients: Array, memory: Array, x: Array, dt: float) -> None:
 
 @kernel
 def _is_plain(coefficients: Array, memory: Array, dt: float) -> bool:
-    """Return whether this is a sample like most: one nominal period after two others or more.
+    """Return whether a sample is plain: one nominal period after at least two others.
 
-    Such samples read tables only, and take a short way.
+    Most samples are. They need only values from tables, which is faster.
     """
     return bool(dt == coefficients[HEADER, PERIOD] and memory[0, COUNT] > 2.0)
 
@@ -153,7 +153,8 @@ def _predict(coefficients: Array, memory: Array, dt: float, y_history: Array) ->
     scheme, slope, tempering = header[SCHEME], header[DIFFERENTIATES], header[TEMPERING]
     count = memory[0, COUNT]
     if count == 0.0:
-        y_history[:n] = 0.0
+        for j in range(n):  # In loops: Numba compiles assignments of slices for two seconds.
+            y_history[j] = 0.0
         return float(header[START_GAIN])
     l0, l1, l2 = output_gains(scheme, slope, tempering, dt, header[EXPONENT], header[NORMALIZER])
     bend, ratio = _bend(scheme, count, dt, memory[0, LAST_PERIOD])
@@ -181,8 +182,9 @@ def _commit(coefficients: Array, memory: Array, x: Array, dt: float) -> None:
     scheme, slope, tempering = header[SCHEME], header[DIFFERENTIATES], header[TEMPERING]
     count = memory[0, COUNT]
     response = np.zeros((4, modes))
-    if count == 0.0:  # A step from nothing, which the modes take in as a value.
-        response[1] = coefficients[START, :modes]
+    if count == 0.0:  # A step from zero, which enters the modes as a value.
+        for k in range(modes):
+            response[1, k] = coefficients[START, k]
     else:
         bend, ratio = _bend(scheme, count, dt, memory[0, LAST_PERIOD])
         for k in range(modes):
@@ -193,7 +195,8 @@ def _commit(coefficients: Array, memory: Array, x: Array, dt: float) -> None:
             response[0, k], response[1, k], response[2, k], response[3, k] = decay, g0, g1, g2
     _move(coefficients, memory, x, dt, response, None)
     if count == 0.0:
-        memory[:n, BEFORE_LAST] = x
+        for j in range(n):
+            memory[j, BEFORE_LAST] = x[j]
 
 
 @kernel
@@ -229,7 +232,7 @@ def _bent_first(
 
 @kernel
 def advance_checked(coefficients: Array, memory: Array, x: Array, dt: float, y: Array) -> bool:
-    """Call `advance`; where `x` has another shape or is not finite, leave all as it is."""
+    """Call `advance`; where `x` has another shape or is not finite, change nothing."""
     if x.shape != y.shape:
         return False
     for j in range(x.size):

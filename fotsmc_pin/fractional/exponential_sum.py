@@ -22,7 +22,7 @@ MOST_MODES = 96
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ExponentialSum:
-    """`Σ_k weights_k e^{-rates_k t}`, which stands for `t^{-β}/Γ(1-β)` on `[shortest, longest]`.
+    """`Σ_k weights_k e^{-rates_k t}`, which approximates `t^{-β}/Γ(1-β)` on `[shortest, longest]`.
 
     Attributes:
         exponent: `β`, between 0 and 1.

@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 class WeightSum:
     """`Σ_k weights_k λ_k^{j+1}`, `λ_k = 1/(1 + rates_k)`: the weight of a sample `j` periods old.
 
-    It stands for `Π_{i≤j} (1 - β/i)`, the weights of the integral of order `1-β` on a clock of
-    period 1. With `differences`, each is diminished by that before it: the weights of the
+    It approximates `Π_{i≤j} (1 - β/i)`, the weights of the integral of order `1-β` on a clock of
+    period 1. With `differences`, each is reduced by the one before it: the weights of the
     derivative of order `β`. The weight of the newest sample, 1, is exact and not part of the sum.
 
     Attributes:
@@ -128,7 +128,7 @@ def integral_weights(exponent: float, ages: Array) -> Array:
 def _merge_fast_rates(
     rates: Array, weights: Array, exponent: float, tolerance: float, differences: bool
 ) -> tuple[Array, Array]:
-    """Merge the powers that die within a few samples."""
+    """Merge the powers that decay within a few samples."""
     ages = np.arange(1.0, 40.0)
     allowed = 0.1 * tolerance * integral_weights(exponent, ages)
     if differences:

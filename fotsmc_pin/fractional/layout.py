@@ -1,4 +1,4 @@
-"""Where each number of a stream stands: rows of `coefficients` and columns of `memory`.
+"""Where each number of a stream is stored: rows of `coefficients` and columns of `memory`.
 
 `coefficients` (rows, width) is fixed by the description of an operator and never written again.
 `memory` (n, columns) is the whole state: copying it saves a stream, copying it back restores it.

@@ -1,4 +1,4 @@
-"""The state of a fractional operator that runs along with its samples."""
+"""The state of a fractional operator that takes one sample at a time."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 class Stream:
-    """`n` signals on their way through one fractional operator; memory and cost never grow.
+    """`n` signals that one fractional operator processes; memory and cost never grow.
 
     Made by `FractionalDerivative.stream` and `FractionalIntegral.stream`. Compiled code passes
     `coefficients` and `memory` to `fractional.advance`.
@@ -63,8 +63,8 @@ class Stream:
 
         Args:
             x: the sample, (n,).
-            dt: measured time since the last sample [s]; the nominal period if left out. Nothing
-                came before the first sample, which makes no use of it.
+            dt: measured time since the last sample [s]; the nominal period if left out. It is not
+                used for the first sample.
 
         Returns:
             The value, (n,), a new array.
@@ -115,7 +115,7 @@ class Stream:
         return values
 
     def reset(self) -> None:
-        """Forget everything; the next sample is a first one."""
+        """Forget everything; the next sample is the first one again."""
         self.memory[:] = 0.0
 
     def copy(self) -> Stream:
@@ -131,7 +131,7 @@ class Stream:
         return self.copy()
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Travel as arrays; the coefficients come along, and stay read-only."""
+        """Pickle as arrays, with the coefficients, which stay read-only."""
         return _revived, (self.to_arrays(),)
 
     def to_arrays(self) -> dict[str, Array]:
@@ -139,9 +139,9 @@ class Stream:
         return {"coefficients": self.coefficients.copy(), "memory": self.memory.copy()}
 
     def from_arrays(self, arrays: Mapping[str, ArrayLike]) -> None:
-        """Take over what `to_arrays` gave, and go on from there bit for bit.
+        """Restore what `to_arrays` gave; the stream continues bit for bit.
 
-        The coefficients come along, since those of another machine may differ in the last bit.
+        The coefficients are included, since those of another machine may differ in the last bit.
 
         Raises:
             ArgumentError: the arrays belong to another operator or another number of signals.

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from fotsmc_pin.simulation import Recording
 
 MASS_SCALE, PAYLOAD, START_ERROR = 1.3, 2.0, 0.1
-"""Of the real arms' cases: masses, payload [kg], and start error of each joint [rad]."""
+"""The cases with real arms: scale of masses, payload [kg], start error of each joint [rad]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,7 +31,7 @@ class ComparisonCase:
 
     Attributes:
         title: in tables.
-        nominal: makes the arm that the laws believe in.
+        nominal: returns the arm that the laws know.
         run: simulates a law for a duration [s].
         duration: of a run [s].
         peak_torque: no torque may be above this [N·m].

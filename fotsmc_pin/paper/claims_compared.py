@@ -53,7 +53,7 @@ def _second_order_time(m: Metrics) -> Finding:
 
 
 def _faster_and_more_accurate(m: Metrics, law: str, label: str) -> Finding:
-    """Set the proposed law against another in settling time and error left, in both matches."""
+    """Compare the proposed law with another in settling time and error left, in both matches."""
     told, won = [], []
     for match in (PEAK, VARIATION):
         own, rival = _rival(m, PROPOSED, match), _rival(m, law, match)

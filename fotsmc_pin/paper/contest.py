@@ -5,9 +5,10 @@ Every law is tuned by the same search, with the same number of trials and the sa
 
 - `peak`: no torque above what the proposed law takes with the paper's gains;
 - `variation`: that, and no more torque variation than the case allows while tracking. Laws with a
-  sign take a saturation for it.
+  sign use a saturation instead.
 
-So nobody wins by force, and nobody is hand-crippled. The real arms have the second match only.
+So no law wins by more torque, and none is put at a disadvantage by hand. The real arms have the
+second match only.
 """
 
 from __future__ import annotations
@@ -42,7 +43,7 @@ PRICE = 10.0
 
 PEAK, VARIATION = "peak", "variation"
 ABLATION = (0.0, 0.1, 0.3)
-"""Orders at which the proposed law is tuned anew, to tell what the fractional order buys."""
+"""Orders at which the proposed law is tuned again, to show what the fractional order gains."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -109,7 +110,7 @@ def contestants() -> list[Contestant]:
 
 
 def _options(law: type[Controller], case: str, match: str) -> dict[str, Any]:
-    """Where a law starts: no sign where torque variation counts, `M0` outside on real arms, PID."""
+    """Start of a search: no sign where torque variation counts, `M0` outside on real arms, PID."""
     options: dict[str, Any] = {}
     names = law.Gains.__dataclass_fields__
     if match == VARIATION and "switching" in names:
@@ -120,7 +121,7 @@ def _options(law: type[Controller], case: str, match: str) -> dict[str, Any]:
 
 
 def cost(entry: Contestant, gains: Mapping[str, Any]) -> float:
-    """`∫ t ‖e‖ dt` over the first seconds [rad·s²], and a price where a limit is exceeded."""
+    """`∫ t ‖e‖ dt` over the first seconds [rad·s²], and a penalty where a limit is exceeded."""
     case = CASES[entry.case]
     try:
         summary = summarize(entry.run(gains, TUNING_DURATION))

@@ -1,4 +1,4 @@
-"""The runs behind the paper's figures and claims, and the numbers that verdicts follow from."""
+"""The runs behind the paper's figures and claims, and the metrics that verdicts follow from."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ ALPHAS = (0.01, 0.1, 0.3, 0.5, 0.9)
 """Orders of Fig. 7. The paper names only 0.1."""
 
 BOUNDARY_LAYER = 0.1
-"""Width of the saturation that stands for the sign where chattering is judged [rad s^-(1+α)]."""
+"""Width of the saturation that replaces the sign where chattering is judged [rad s^-(1+α)]."""
 
 SURFACE_REACHED = 0.05
 """The surface counts as reached where `‖S‖` stays below this [rad s^-(1+α)]."""
@@ -33,7 +33,7 @@ class Experiment:
         title: what is special about it, in plain words.
         gains: single gains that differ from the paper's.
         elbow_mass: reading R3.
-        substeps: RK4 steps in a tick; two tell the same as the ten of the paper's own run.
+        substeps: RK4 steps in a tick; two give the same verdicts as the ten of the paper's own run.
     """
 
     title: str

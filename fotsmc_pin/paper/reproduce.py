@@ -26,7 +26,7 @@ RUNS_SHARE, CONTEST_SHARE = 0.3, 0.6
 
 
 def reproduce(folder: Path, progress: Progress = False) -> list[Verdict]:
-    """Run the case and the comparison, and write what they came to.
+    """Run the case and the comparison, and write the results.
 
     `run.npz`, the figures, `metrics.json`, `claims.md`, `comparison.md` and `two_link.html`.
 

@@ -1,6 +1,6 @@
 """`python -m fotsmc_pin.paper.tune [NAME ...]`: tune the contestants anew and store what is found.
 
-With names of laws only those are tuned; the others keep what is stored.
+With names of laws only those are tuned; the others keep their stored gains.
 """
 
 from __future__ import annotations

@@ -51,7 +51,7 @@ def disturbance(t: float) -> Array:
 
 
 def nominal_arm() -> Arm:
-    """The arm that the controller believes in: masses 0.4 and 1.2 kg."""
+    """The arm that the controller knows: masses 0.4 and 1.2 kg."""
     return load_arm("two_link")
 
 
@@ -63,7 +63,7 @@ def true_arm(elbow_mass: str = "printed") -> Arm:
 
 
 def controller(**gains: Any) -> AdaptiveFONFTSM:
-    """The proposed controller with the paper's gains, or with single ones exchanged.
+    """The proposed controller with the paper's gains, or with some of them replaced.
 
     The paper's `p/q = 0.9` breaks its own condition; that is known here and not warned of again.
     """

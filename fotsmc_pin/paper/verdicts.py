@@ -17,7 +17,7 @@ HOLDS, PARTLY, FAILS = "yes", "partly", "no"
 
 @dataclass(frozen=True, kw_only=True)
 class Verdict:
-    """What became of a claim.
+    """The verdict on a claim.
 
     Attributes:
         where: where it is printed.

@@ -47,6 +47,7 @@ class MujocoRobot:
         self.arm, self._step = arm, mujoco.mj_step
         self._model = model = mujoco.MjModel.from_xml_string(_shapeless(arm.urdf))
         model.opt.timestep = checks.finite_number("step", step, above=0.0)
+        model.opt.gravity[:] = arm.model.gravity.linear
         model.opt.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
         self._data = mujoco.MjData(model)
         names = [model.joint(number).name for number in range(model.njnt)]

@@ -2,24 +2,13 @@
 
 Each is a frozen callable `t -> (q_d, v_d, a_d)` of shapes (nq,), (nv,), (nv,) that returns fresh
 arrays. Any other callable of this kind will do as well.
+
+The public names stand in `__init__.pyi`; each is imported when it is first used, as the splines'
+part of SciPy takes most of a second.
 """
 
-from fotsmc_pin.references.cartesian_line import CartesianLine
-from fotsmc_pin.references.hold import Hold
-from fotsmc_pin.references.limits import broken_limits
-from fotsmc_pin.references.minimum_jerk import MinimumJerk
-from fotsmc_pin.references.path import JointPath
-from fotsmc_pin.references.quintic import Quintic
-from fotsmc_pin.references.sinusoid import Sinusoid
-from fotsmc_pin.references.spline import Spline
+import lazy_loader
 
-__all__ = [
-    "CartesianLine",
-    "Hold",
-    "JointPath",
-    "MinimumJerk",
-    "Quintic",
-    "Sinusoid",
-    "Spline",
-    "broken_limits",
-]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+
+del lazy_loader

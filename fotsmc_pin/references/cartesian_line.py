@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pinocchio as pin
 
+from fotsmc_pin.arms import demand_arm
 from fotsmc_pin.checks import count, finite_number, finite_vector
 from fotsmc_pin.errors import ArgumentError, MissingDependencyError
 from fotsmc_pin.references.path import JointPath
@@ -73,6 +74,7 @@ class CartesianLine(JointPath):
                 be exceeded: which, where and when.
         """
         way = finite_vector("displacement", displacement, 3)
+        demand_arm(arm)
         start = arm.neutral if q is None else finite_vector("q", q, arm.nq)
         if keep_orientation is None:
             keep_orientation = arm.nv >= 6
@@ -171,6 +173,6 @@ def _pink() -> Any:
         import pink.tasks
     except ImportError as error:
         raise MissingDependencyError(
-            f"a Cartesian line needs {error.name}: pip install 'fotsmc_pin[ik]'"
+            f"a Cartesian line needs {error.name}: pip install pin-pink daqp"
         ) from None
     return pink

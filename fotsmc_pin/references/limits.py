@@ -6,12 +6,39 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fotsmc_pin.arms import demand_arm
 from fotsmc_pin.checks import count, finite_number
 from fotsmc_pin.errors import ArgumentError
+from fotsmc_pin.user_warnings import warn_user
 
 if TYPE_CHECKING:
     from fotsmc_pin.arms import Arm
     from fotsmc_pin.types import Reference
+
+
+class ReferenceWarning(UserWarning):
+    """A reference asks for more speed or effort than an arm has."""
+
+
+def warn_of_limits(arm: Arm, reference: Reference, duration: float) -> None:
+    """Warn where a reference asks for more than an arm has, whatever law follows it.
+
+    Args:
+        arm: the arm that moves.
+        reference: `t -> (q_d, v_d, a_d)`.
+        duration: how far to look [s].
+
+    Warns:
+        ReferenceWarning: which joint, how much, when, and the limit.
+    """
+    broken = broken_limits(arm, reference, duration=duration)
+    if broken:
+        more = f" (and {len(broken) - 3} more)" if len(broken) > 3 else ""
+        warn_user(
+            f"the reference asks for more than {arm.name} has: {'; '.join(broken[:3])}{more}; "
+            "make it slower or smaller",
+            ReferenceWarning,
+        )
 
 
 def broken_limits(
@@ -36,6 +63,7 @@ def broken_limits(
     Raises:
         ArgumentError: a duration is needed and none is given.
     """
+    demand_arm(arm)
     if duration is None:
         duration = getattr(reference, "duration", None)
     if duration is None or not np.isfinite(duration):

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.interpolate import PPoly
 
+from fotsmc_pin.arms import demand_arm
 from fotsmc_pin.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -128,6 +129,7 @@ def unwrapped(arm: Arm, argument: str, configurations: ArrayLike) -> Array:
     Raises:
         ArgumentError: a wrong shape or entries that are not finite.
     """
+    demand_arm(arm)
     try:
         rows = np.array(configurations, dtype=np.float64)
     except (TypeError, ValueError):

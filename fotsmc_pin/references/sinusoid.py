@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fotsmc_pin.arms import demand_arm
 from fotsmc_pin.checks import finite_number, finite_vector
 from fotsmc_pin.compiled import kernel
 from fotsmc_pin.errors import ArgumentError
@@ -48,7 +49,8 @@ class Sinusoid:
     _plain: bool = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        """Check the numbers."""
+        """Check the arm and the numbers."""
+        demand_arm(self.arm)
         nv = self.arm.nv
         object.__setattr__(self, "center", finite_vector("center", self.center, self.arm.nq))
         object.__setattr__(self, "amplitude", finite_vector("amplitude", self.amplitude, nv))
@@ -104,6 +106,7 @@ class Sinusoid:
         Raises:
             ArgumentError: the effort limits do not even hold the arm still at the centre.
         """
+        demand_arm(arm)
         finite_number("amplitude", amplitude, above=0.0)
         finite_number("period", period, above=0.0)
         finite_number("fraction", fraction, above=0.0, at_most=1.0)

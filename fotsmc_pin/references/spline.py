@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.interpolate import PPoly, make_interp_spline
 
+from fotsmc_pin.arms import demand_arm
 from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.references.path import JointPath, unwrapped
 from fotsmc_pin.references.time_scaling import motion_limits
@@ -17,11 +18,10 @@ from fotsmc_pin.references.time_scaling import motion_limits
 if TYPE_CHECKING:
     from os import PathLike
 
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
     from fotsmc_pin.arms import Arm
-
-    Matrix = NDArray[np.float64]
+    from fotsmc_pin.types import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -75,6 +75,7 @@ class Spline(JointPath):
                 samples that `from_samples` refuses.
             FileNotFoundError: no such file.
         """
+        demand_arm(arm)
         with Path(path).open(newline="", encoding="utf-8") as file:
             lines = [line for line in csv.reader(file) if any(cell.strip() for cell in line)]
         columns = list(range(arm.nv + 1))
@@ -103,9 +104,7 @@ class Spline(JointPath):
         )
 
 
-def spline_pieces(
-    t: Matrix, x: Matrix, *, degree: int = 5, rest: bool = True
-) -> tuple[Matrix, Matrix]:
+def spline_pieces(t: Array, x: Array, *, degree: int = 5, rest: bool = True) -> tuple[Array, Array]:
     """Return the spline through samples as the break points and coefficients of a `JointPath`.
 
     Args:
@@ -123,7 +122,7 @@ def spline_pieces(
     # SciPy takes pairs of (order, value) for each end, which its type stubs do not know.
     ends: Any = (still, still) if rest else None
     spline = make_interp_spline(t, x, k=degree, bc_type=ends)
-    weights: Matrix = spline.c
+    weights: Array = spline.c
     # A B-spline repeats its end knots `degree` times: pieces of no length, which are cut off.
     inner = slice(degree, -degree)
     columns = [PPoly.from_spline((spline.t, column, degree)).c[:, inner] for column in weights.T]

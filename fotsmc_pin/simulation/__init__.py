@@ -5,6 +5,7 @@ from fotsmc_pin.simulation.plant import Plant
 from fotsmc_pin.simulation.recording import Recording
 from fotsmc_pin.simulation.sensors import (
     Chain,
+    Encoder,
     NoisySensor,
     QuantizedSensor,
     VelocityFromPosition,
@@ -13,6 +14,7 @@ from fotsmc_pin.simulation.simulate import simulate
 
 __all__ = [
     "Chain",
+    "Encoder",
     "NoisySensor",
     "Plant",
     "QuantizedSensor",

@@ -9,9 +9,28 @@ import numpy as np
 import pinocchio as pin
 
 from fotsmc_pin import checks
-from fotsmc_pin.compiled import kernel, specialized
+from fotsmc_pin.compiled import specialized
 from fotsmc_pin.errors import ArgumentError
-from fotsmc_pin.simulation.dry_friction import apply_friction
+from fotsmc_pin.simulation import stages
+from fotsmc_pin.simulation.implicit_joints import ImplicitJoints
+from fotsmc_pin.simulation.stages import (
+    DAMPING,
+    DISTURBANCE,
+    EXCESS,
+    FRICTION,
+    LIMIT,
+    LOAD,
+    Q0,
+    Q_STAGE,
+    ROWS,
+    STEP,
+    STRIBECK,
+    TABLE,
+    TAU,
+    V0,
+    V_STAGE,
+    WIDTH,
+)
 
 if TYPE_CHECKING:
     from fotsmc_pin.arms import Arm
@@ -20,16 +39,11 @@ if TYPE_CHECKING:
 
 INTEGRATORS = ("rk4", "semi-implicit")
 FRICTION_WIDTH = 1e-3
-"""Least width of the speed band in which Coulomb friction changes sign [rad/s, m/s]."""
-LARGEST_SPEED = 1e4
-"""A joint that is faster than this has diverged [rad/s, m/s]."""
+"""Speed over which Coulomb friction changes sign, at the least [rad/s, m/s]."""
+LOCAL = pin.Convention.LOCAL
+"""Faster than the default for a mass matrix alone, and the same to rounding."""
 STIFFEST = 1.0
 """Largest `h D / M` of a joint for explicit steps; unstable from 2.8 on, and `M` varies."""
-
-# Rows of the plant's workspace. A recorder copies the first three in one piece.
-Q0, V0, TAU, Q_STAGE, V_STAGE, STEP, SUM_V, SUM_A, LOAD = range(9)
-DISTURBANCE, DAMPING, FRICTION, WIDTH, LIMIT = range(9, 14)
-ROWS = 14
 
 
 class Plant:
@@ -38,7 +52,7 @@ class Plant:
     Torque is held between ticks (zero-order hold); the disturbance is evaluated at every stage
     of the integrator.
 
-    Friction is explicit in "rk4": Coulomb friction passes through zero over a narrow band of
+    Friction is explicit in "rk4": Coulomb friction changes sign over a narrow band of
     speed, 1e-3 wide or as wide as keeps one integration step from overshooting a standstill, and
     strong damping of a light joint requires short steps (`h D / M < 2`). In "semi-implicit" both
     are implicit: joints stick and slip, and any step is stable.
@@ -71,13 +85,16 @@ class Plant:
             dt: period of a tick [s].
             substeps: integration steps in a tick.
             integrator: "rk4" (fourth order) or "semi-implicit" (Euler, first order, symplectic;
-                friction implicit). By default "rk4", unless the arm has Coulomb friction, as
-                joints stick only in "semi-implicit", or damping too strong for explicit steps.
+                friction and springs implicit). By default "rk4", unless the arm has Coulomb
+                friction, which sticks in the other only, elastic joints, which only the other
+                knows, or damping too strong for explicit steps.
             disturbance: `t -> (nv,)`, torque added at the joints [N·m, N].
 
         Raises:
             ArgumentError: naming the argument, its value and the remedy.
+            UrdfError: a joint of the arm moves no inertia.
         """
+        arm.demand_dynamics()
         self._substeps = checks.count("substeps", substeps)
         self._arm, self._model, self._data = arm, arm.model, arm.model.createData()
         h = dt / self._substeps
@@ -88,7 +105,7 @@ class Plant:
         self._acceleration: Array = self._data.ddq
         self._disturbance = disturbance
         self._euclidean = arm.is_euclidean
-        self._work = work = np.zeros((ROWS, arm.nv))
+        self._work = work = np.zeros((ROWS + arm.nv, arm.nv))
         self.v, self.tau = work[V0], work[TAU]
         self._v_stage, self._load, self._step = work[V_STAGE], work[LOAD], work[STEP]
         if self._euclidean:
@@ -98,18 +115,24 @@ class Plant:
             self.q, self._q_stage = np.zeros((2, arm.nq))
             self.live = (self.q, self.v, self.tau)
         self.q[:], self.v[:] = q0, v0
-        self._impulse = np.zeros(arm.nv)
-        self._has_friction = not rk4 and bool(np.any(arm.friction) or np.any(arm.damping))
         if rk4:
             work[DAMPING], work[FRICTION] = arm.damping, arm.friction
-        work[WIDTH] = np.maximum(FRICTION_WIDTH, arm.friction * h / lightest)
+        work[EXCESS], work[STRIBECK] = arm.stiction - 1.0, arm.stribeck_velocity
+        work[WIDTH] = np.maximum(FRICTION_WIDTH, arm.friction * arm.stiction * h / lightest)
         work[LIMIT] = arm.effort_limit
+        self.joints: ImplicitJoints | None = None
+        if not rk4 and has_friction_or_springs(arm):
+            self.joints = joints = ImplicitJoints(arm, self.q, self.v, work[TABLE])
+            self._links, self._of_links = joints.model, joints.data
+            self._parts = (joints.mass, joints.bias, work)
+            self._glide = specialized(stages.glide, h, *self._parts)
+            self._advance = self._with_friction
         a = self._acceleration
-        self._begin = specialized(begin, work)
-        self._rk4_stage = specialized(rk4_stage, 0, h, a, work)
-        self._rk4_finish = specialized(rk4_finish, h, a, work)
-        self._accelerate = specialized(accelerate, h, a, work)
-        self._coast = specialized(coast, h, work)
+        self._begin = specialized(stages.begin, work)
+        self._rk4_stage = specialized(stages.rk4_stage, 0, h, a, work)
+        self._rk4_finish = specialized(stages.rk4_finish, h, a, work)
+        self._accelerate = specialized(stages.accelerate, h, a, work)
+        self._coast = specialized(stages.coast, h, work)
 
     def load(self, t: float, tau: Array) -> None:
         """Apply `tau` (nv,), clipped to the effort limits, to the joints from time `t` on."""
@@ -127,10 +150,40 @@ class Plant:
         if self._substeps == 1:
             return self._advance(t, dt)
         h = dt / self._substeps
-        lost = -1
         for k in range(self._substeps):
             lost = self._advance(t + k * h, h)
-        return lost
+            if lost >= 0:
+                return lost
+        return -1
+
+    @property
+    def is_elastic(self) -> bool:
+        """Whether any joint has a spring between motor and link."""
+        return self.joints is not None and self.joints.is_elastic
+
+    def encoders(self) -> tuple[Array, Array]:
+        """Return configuration (nq,) and speed (nv,) of the motors, which lead by the springs."""
+        if self.joints is None:
+            return self.q, self.v
+        deflection = self.joints.deflection
+        q = (
+            self.q + deflection
+            if self._euclidean
+            else pin.integrate(self._model, self.q, deflection)
+        )
+        return q, self.joints.motor_speed
+
+    @property
+    def live_signals(self) -> dict[str, Array]:
+        """What a recording keeps of elastic joints, the plant's own memory."""
+        if self.joints is None or not self.is_elastic:
+            return {}
+        return {"deflection": self.joints.deflection, "motor_speed": self.joints.motor_speed}
+
+    def stage_times(self, t: float, dt: float) -> list[float]:
+        """Return when the disturbance is asked in a tick that starts at `t` [s]."""
+        halves = 2 * self._substeps
+        return [t + dt * k / halves for k in range(halves + 1)]
 
     def _rk4(self, t: float, h: float) -> int:
         model, data, load, disturbance = self._model, self._data, self._load, self._disturbance
@@ -154,11 +207,16 @@ class Plant:
         if self._disturbance is not None:
             self._work[DISTURBANCE] = self._disturbance(t + h)
         self._accelerate(h, self._acceleration, self._work)
-        if self._has_friction:
-            inverse_mass = pin.computeMinverse(self._model, self._data, self.q)
-            friction, damping = self._arm.friction, self._arm.damping
-            apply_friction(h, inverse_mass.T, friction, damping, self._impulse, self.v)
         lost = self._coast(h, self._work)
+        self._move_continuous_joints()
+        return lost
+
+    def _with_friction(self, t: float, h: float) -> int:
+        pin.crba(self._links, self._of_links, self.q, LOCAL)
+        pin.nonLinearEffects(self._links, self._of_links, self.q, self.v)
+        lost = self._glide(h, *self._parts)
+        if self._disturbance is not None:
+            self._work[DISTURBANCE] = self._disturbance(t + h)
         self._move_continuous_joints()
         return lost
 
@@ -170,9 +228,14 @@ class Plant:
     def _suitable(self, integrator: str | None, stiffness: Array) -> str:
         """Return the integrator that was asked for, or the one that suits friction and damping."""
         stiff = float(stiffness.max(initial=0.0))
+        elastic = bool(np.isfinite(self._arm.joint_stiffness).any())
         if integrator is None:
-            implicit = stiff > STIFFEST or bool(np.any(self._arm.friction))
+            implicit = elastic or stiff > STIFFEST or bool(np.any(self._arm.friction))
             return "semi-implicit" if implicit else "rk4"
+        if elastic and integrator == "rk4":
+            raise ArgumentError(
+                "integrator", integrator, "the springs of elastic joints want 'semi-implicit'"
+            )
         if checks.choice("integrator", integrator, INTEGRATORS) == "rk4" and stiff > STIFFEST:
             joint = self._arm.joint_names[int(stiffness.argmax())]
             needed = math.ceil(self._substeps * stiff / STIFFEST)
@@ -187,71 +250,7 @@ class Plant:
         return lightest
 
 
-@kernel
-def load(work: Array, v: Array) -> None:
-    """What acts on the joints at speed `v`: torque, disturbance and friction."""
-    for j in range(v.size):
-        friction = work[FRICTION, j]
-        if friction > 0.0:
-            friction *= math.tanh(v[j] / work[WIDTH, j])
-        work[LOAD, j] = work[TAU, j] + work[DISTURBANCE, j] - work[DAMPING, j] * v[j] - friction
-
-
-@kernel
-def begin(work: Array) -> None:
-    """Clip the torque to its limits and apply it to the joints."""
-    for j in range(work.shape[1]):
-        work[TAU, j] = min(max(work[TAU, j], -work[LIMIT, j]), work[LIMIT, j])
-    load(work, work[V0])
-
-
-@kernel
-def diverged(work: Array) -> int:
-    """Index of the first joint whose speed is not finite or too large, or -1."""
-    for j in range(work.shape[1]):
-        if not abs(work[V0, j]) < LARGEST_SPEED:
-            return j
-    return -1
-
-
-@kernel
-def rk4_stage(stage: int, h: float, a: Array, work: Array) -> None:
-    """Add the acceleration of `stage` 0, 1 or 2 to the sum; prepare the next stage."""
-    reach = h if stage == 2 else 0.5 * h
-    weight = 1.0 if stage == 0 else 2.0
-    for j in range(a.size):
-        v = work[V0, j] if stage == 0 else work[V_STAGE, j]
-        work[SUM_V, j] = weight * v + (0.0 if stage == 0 else work[SUM_V, j])
-        work[SUM_A, j] = weight * a[j] + (0.0 if stage == 0 else work[SUM_A, j])
-        work[STEP, j] = reach * v
-        work[V_STAGE, j] = work[V0, j] + reach * a[j]
-        work[Q_STAGE, j] = work[Q0, j] + work[STEP, j]
-    load(work, work[V_STAGE])
-
-
-@kernel
-def rk4_finish(h: float, a: Array, work: Array) -> int:
-    """Add the last stage and move; return the index of a joint that diverged, or -1."""
-    for j in range(a.size):
-        work[STEP, j] = h / 6.0 * (work[SUM_V, j] + work[V_STAGE, j])
-        work[V0, j] += h / 6.0 * (work[SUM_A, j] + a[j])
-        work[Q0, j] += work[STEP, j]
-    load(work, work[V0])
-    return diverged(work)
-
-
-@kernel
-def accelerate(h: float, a: Array, work: Array) -> None:
-    """Move the velocity over a step of `h` seconds."""
-    for j in range(a.size):
-        work[V0, j] += h * a[j]
-
-
-@kernel
-def coast(h: float, work: Array) -> int:
-    """Move with the new velocity; return the index of a joint that diverged, or -1."""
-    for j in range(work.shape[1]):
-        work[STEP, j] = h * work[V0, j]
-        work[Q0, j] += work[STEP, j]
-    load(work, work[V0])
-    return diverged(work)
+def has_friction_or_springs(arm: Arm) -> bool:
+    """Return whether an arm has more in its joints than torque."""
+    elastic = np.isfinite(arm.joint_stiffness)
+    return bool(np.any(arm.friction) or np.any(arm.damping) or np.any(elastic))

@@ -34,8 +34,10 @@ class Recorder:
         size = len(self._t)
         self._q_d, self._v_d = np.zeros((size, arm.nq)), np.zeros((size, arm.nv))
         shown = getattr(controller, "signals", {})
-        self._live_signals = live = getattr(controller, "live_signals", {})
+        own = getattr(controller, "live_signals", {})
+        self._live_signals = live = {**own, **plant.live_signals}
         self._names = tuple(name for name in shown if is_flat(live.get(name)))
+        self._names = tuple(dict.fromkeys((*self._names, *plant.live_signals)))
         self._asked = {
             name: np.zeros((size, np.size(value)))
             for name, value in shown.items()

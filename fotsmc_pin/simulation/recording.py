@@ -39,7 +39,8 @@ class Recording:
         e: tracking error `q ⊖ q_d` (N, nv) [rad, m].
         e_dot: velocity error `v - v_d` (N, nv) [rad/s, m/s].
         tau: torque at the joints, after all limits (N, nv) [N·m, N].
-        signals: named arrays (N, k) of the controller, such as "s", its sliding variable.
+        signals: named arrays (N, k) of the controller, such as "s", its sliding variable; of an arm
+            with elastic joints also "deflection", motor beyond link, and "motor_speed".
         arm: the true arm.
         metadata: plain data that tells how the run was made (controller, gains, dt, versions).
     """
@@ -65,6 +66,28 @@ class Recording:
         """Euclidean norm of the tracking error (N,) [rad]."""
         norm: Array = np.linalg.norm(self.e, axis=1)
         return norm
+
+    @cached_property
+    def q_motor(self) -> Array:
+        """Configuration of the motors (N, nq); `q` is that of the links, the same where rigid."""
+        deflection = self.signals.get("deflection")
+        if deflection is None:
+            return self.q
+        if self.arm.is_euclidean:
+            return self.q + deflection
+        return np.array(
+            [self.arm.integrate(q, turn) for q, turn in zip(self.q, deflection, strict=True)]
+        )
+
+    @property
+    def v_motor(self) -> Array:
+        """Velocity of the motors (N, nv), referred to the joints; `v` where they are rigid."""
+        return self.signals.get("motor_speed", self.v)
+
+    @property
+    def e_motor(self) -> Array:
+        """Error of the motors from the reference (N, nv): that of the links and the deflection."""
+        return self.e + self.signals["deflection"] if "deflection" in self.signals else self.e
 
     @property
     def divergence(self) -> dict[str, Any] | None:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Protocol, overload
 import numpy as np
 
 from fotsmc_pin import checks
+from fotsmc_pin.control.differentiator import FilteredDifferentiator
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -77,6 +78,59 @@ class QuantizedSensor:
         angles = self.arm.to_joint_positions(q)
         step = _rounded(angles, self.position) - angles
         return self.arm.integrate(q, step), _rounded(v, self.velocity)
+
+
+class Encoder:
+    """An encoder of some bits in a turn and no velocity sensor, as most arms have it.
+
+    The position stands on the nearest of `2**bits` steps of a turn; the velocity is what a
+    differentiator of this library makes of these readings.
+
+    Args:
+        arm: the arm that is measured.
+        dt: nominal period of a tick [s].
+        bits: of a turn.
+        turn: travel of the joint in one turn of its encoder, one number or one per joint [rad, m].
+            By default 2π, and 0.02 m for a slide, the lead of a common screw; for an encoder before
+            a gear of ratio N it is 2π/N.
+        differentiator: what makes the velocity; None for a
+            `control.FilteredDifferentiator` of 300 rad/s.
+
+    Raises:
+        ArgumentError: no whole number of bits above 0, or a travel that is not above 0.
+    """
+
+    def __init__(
+        self,
+        arm: Arm,
+        dt: float,
+        *,
+        bits: int = 17,
+        turn: ArrayLike | None = None,
+        differentiator: Differentiator | None = None,
+    ) -> None:
+        self.arm, self.bits = arm, checks.count("bits", bits)
+        if turn is None:
+            slides = np.array([unit == "m" for unit in arm.position_units])
+            turn = np.where(slides, 0.02, 2.0 * np.pi)
+        self.turn = checks.per_joint("turn", turn, arm.nv, above=0.0)
+        steps = QuantizedSensor(arm, position=self.turn / 2.0**self.bits)
+        self.differentiator = differentiator or FilteredDifferentiator(arm, dt)
+        self._parts = Chain(steps, VelocityFromPosition(self.differentiator))
+
+    @property
+    def step(self) -> Array:
+        """Distance of two readings (nv,) [rad, m]."""
+        return self.turn / 2.0**self.bits
+
+    def reset(self) -> None:
+        """Forget every position."""
+        self._parts.reset()
+
+    def __call__(self, t: float, q: Array, v: Array) -> tuple[Array, Array]:
+        """Return the position on its step and the velocity that follows from such positions."""
+        measured: tuple[Array, Array] = self._parts(t, q, v)
+        return measured
 
 
 class Differentiator(Protocol):

@@ -6,13 +6,17 @@ import platform
 import time
 from functools import cache
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import numpy as np
 
 from fotsmc_pin import checks
-from fotsmc_pin.errors import ArgumentError, DivergenceError
+from fotsmc_pin.arms import demand_arm
+from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.progress import reporting
+from fotsmc_pin.simulation.faults import NOTHING, Tick, divergence, fault_of, flaw
+from fotsmc_pin.simulation.interrupt import kept_on_interrupt
+from fotsmc_pin.simulation.memory import demand_memory
 from fotsmc_pin.simulation.plant import Plant
 from fotsmc_pin.simulation.recorder import Recorder
 from fotsmc_pin.simulation.reference_values import reference_values
@@ -30,6 +34,7 @@ CHUNK = 256
 """Ticks whose reference is evaluated at once."""
 
 
+@runtime_checkable
 class Law(Protocol):
     """What the simulation uses of a controller."""
 
@@ -59,6 +64,7 @@ def simulate(
     actuator: Actuator | None = None,
     substeps: int = 1,
     integrator: str | None = None,
+    encoder: str = "motor",
     record_every: int = 1,
     jitter: float = 0.0,
     seed: int = 0,
@@ -86,6 +92,8 @@ def simulate(
         substeps: integration steps in a tick.
         integrator: "rk4" or "semi-implicit"; by default "rk4", unless the arm has Coulomb friction
             or damping too strong for explicit steps.
+        encoder: side of an elastic joint's spring on which position and speed are measured, "motor"
+            or "link"; `sensor` is given what the encoders see. On a rigid joint they are the same.
         record_every: ticks from one recorded row to the next.
         jitter: share of a period by which a tick may come early or late, below 0.5; above 0 the
             controller is told the measured period, as `update(..., dt=...)`.
@@ -96,13 +104,21 @@ def simulate(
         The recording. Its last row is at `duration`, or the last recorded tick before.
 
     Raises:
-        ArgumentError: an argument is unusable.
-        DivergenceError: a joint's speed exceeded every reasonable bound; the error carries the
-            recording so far.
+        ArgumentError: an argument is unusable; or the reference, disturbance, sensor, controller or
+            actuator returned in mid-run what is not finite or has the wrong shape. It names the
+            part and the time.
+        UrdfError: a joint of the arm moves no inertia.
+        DivergenceError: a joint left every reasonable bound; it says which one left first, and
+            carries the recording so far.
+        RunInterrupted: Ctrl-C; a `KeyboardInterrupt` that carries the recording so far.
     """
+    demand_arm(arm)
+    checks.instance("controller", controller, Law, "give a controller, as a law's class makes it")
     dt = checks.finite_number("controller.dt", controller.dt, above=0.0)
+    checks.choice("encoder", encoder, ("motor", "link"))
     duration = checks.finite_number("duration", duration, at_least=dt)
     stride = checks.count("record_every", record_every)
+    demand_memory(arm, duration, dt, stride)
     q_start, v_start, _ = _checked_reference(arm, reference)
     plant = Plant(
         arm,
@@ -121,14 +137,25 @@ def simulate(
     ticks = round(duration / dt) + 1
     clock = _clock(dt, ticks, jitter, seed)
     recorder = Recorder(arm, plant, controller, instants=clock[:-1], stride=stride)
+    on_motors, shapes = plant.is_elastic and encoder == "motor", ((arm.nq,), (arm.nv,))
+    measured = commanded = driven = NOTHING
+    lost = -1
     started = time.perf_counter()
 
     def recording() -> Recording:
-        options = {"duration": duration, "substeps": substeps, "integrator": plant.integrator}
+        options: dict[str, Any] = {
+            "duration": duration,
+            "substeps": substeps,
+            "integrator": plant.integrator,
+        }
+        options["gravity"] = arm.base_gravity.tolist()
+        if plant.is_elastic:
+            options["encoder"] = encoder
         took = time.perf_counter() - started
         return recorder.recording(_metadata(controller, reference, options, took))
 
-    with reporting(progress, f"{type(controller).__name__}, {arm.name}") as report:
+    title = f"{type(controller).__name__}, {arm.name}"
+    with reporting(progress, title) as report, kept_on_interrupt(recording):
         for first in range(0, ticks, CHUNK):
             report(first / ticks)
             instants = clock[first : min(first + CHUNK, ticks)]
@@ -136,27 +163,37 @@ def simulate(
             recorder.write_reference(first, *wanted[:2])
             rows = zip(instants.tolist(), *wanted, strict=True)
             for k, (t, q_d, v_d, a_d) in enumerate(rows, first):
-                q, v = (plant.q, plant.v) if sensor is None else sensor(t, plant.q, plant.v)
-                if jitter > 0.0 and k > 0:
-                    tau = controller.update(q, v, q_d, v_d, a_d, dt=t - clock[k - 1])
-                else:
-                    tau = controller.update(q, v, q_d, v_d, a_d)
-                if actuator is not None:
-                    tau = actuator(t, tau)
-                plant.load(t, tau)
-                if k % stride == 0:
-                    recorder.write_row()
-                lost = plant.hold(t, dt if jitter == 0.0 else clock[k + 1] - t)
-                if lost >= 0:
-                    joint = arm.joint_names[lost]
-                    raise DivergenceError(
-                        f"the simulation diverged at t = {t + dt:.4g} s: joint {joint!r} reached "
-                        f"{plant.v[lost]:.3g} {arm.position_units[lost]}/s; try more substeps, a "
-                        "shorter tick, or lower gains",
-                        t + dt,
-                        joint,
-                        recording(),
-                    )
+                period = dt if jitter == 0.0 else clock[k + 1] - t
+                try:
+                    q, v = plant.encoders() if on_motors else (plant.q, plant.v)
+                    if sensor is not None:
+                        measured = sensor(t, q, v)
+                        q, v = measured
+                        if np.shape(q) != shapes[0] or np.shape(v) != shapes[1]:
+                            raise ValueError(measured)
+                    if jitter > 0.0 and k > 0:
+                        tau = controller.update(q, v, q_d, v_d, a_d, dt=t - clock[k - 1])
+                    else:
+                        tau = controller.update(q, v, q_d, v_d, a_d)
+                    commanded = tau
+                    if actuator is not None:
+                        driven = tau = actuator(t, tau)
+                    plant.load(t, tau)
+                    if k % stride == 0:
+                        recorder.write_row()
+                    lost = plant.hold(t, period)
+                    if lost < 0:
+                        continue
+                    cause = None
+                except (TypeError, ValueError) as error:
+                    cause = error
+                tick = Tick(t, (q_d, v_d, a_d), measured, commanded, driven)
+                fault = fault_of(tick, arm, disturbance, plant.stage_times(t, period))
+                if fault is not None:
+                    raise fault from cause
+                if cause is not None:
+                    raise cause
+                raise divergence(arm, recording(), t + period, lost, plant.v)
         report(1.0)
     return recording()
 
@@ -186,9 +223,20 @@ def _checked_reference(arm: Arm, reference: Reference) -> tuple[Array, Array, Ar
 
 
 def _checked_disturbance(arm: Arm, disturbance: Disturbance | None) -> Disturbance | None:
-    if disturbance is not None:
-        checks.finite_vector("disturbance", disturbance(0.0), arm.nv)
-    return disturbance
+    if disturbance is None:
+        return None
+    checks.finite_vector("disturbance", disturbance(0.0), arm.nv)
+
+    def checked(t: float) -> ArrayLike:
+        """Refuse what would be spread over the joints in silence."""
+        value = disturbance(t)
+        if np.shape(value) != (arm.nv,):
+            raise ArgumentError(
+                "disturbance", value, f"at t = {t:.6g} s it {flaw(value, (arm.nv,))}"
+            )
+        return value
+
+    return checked
 
 
 def _metadata(

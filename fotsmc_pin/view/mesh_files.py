@@ -23,9 +23,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from fotsmc_pin.types import Array
     from fotsmc_pin.view.meshes import Color
-
-    Matrix = NDArray[np.float64]
 
 
 PICTURES = {".png": "image/png", ".jpg": "image/jpeg", ".jpeg": "image/jpeg"}
@@ -91,7 +90,7 @@ class _Document:
         except KeyError:
             raise ValueError(f"no element {reference}") from None
 
-    def _node(self, node: Element, parent: Matrix) -> Iterator[Mesh]:
+    def _node(self, node: Element, parent: Array) -> Iterator[Mesh]:
         placement = parent @ _placement(node)
         for child in node:
             if child.tag == "node":
@@ -101,7 +100,7 @@ class _Document:
             elif child.tag == "instance_geometry":
                 yield from self._geometry(child, placement)
 
-    def _geometry(self, instance: Element, placement: Matrix) -> Iterator[Mesh]:
+    def _geometry(self, instance: Element, placement: Array) -> Iterator[Mesh]:
         looks = {
             bound.get("symbol"): self._look(bound.get("target"))
             for bound in instance.iter("instance_material")
@@ -126,7 +125,7 @@ class _Document:
                     skin=skin,
                 )
 
-    def _table(self, primitive: Element, semantic: str) -> tuple[Matrix, int]:
+    def _table(self, primitive: Element, semantic: str) -> tuple[Array, int]:
         """Return the numbers (n, k) behind an input of a primitive, and its place in a corner."""
         entry = _input(primitive, semantic)
         source = self._get(entry.get("source"))
@@ -200,7 +199,7 @@ def _fans(counts: NDArray[np.int64]) -> NDArray[np.int64]:
     return np.stack([first, first + step + 1, first + step + 2], axis=1)
 
 
-def _placement(node: Element) -> Matrix:
+def _placement(node: Element) -> Array:
     """Multiply the transforms of a node in the order in which they stand."""
     result = np.eye(4)
     for element in node:
@@ -220,7 +219,7 @@ def _placement(node: Element) -> Matrix:
     return result
 
 
-def _rotation(axis: Matrix, angle: float) -> Matrix:
+def _rotation(axis: Array, angle: float) -> Array:
     x, y, z = axis / np.linalg.norm(axis)
     cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
     return np.asarray(np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross)

@@ -13,7 +13,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    Floats: TypeAlias = NDArray[np.float64]
+    from fotsmc_pin.types import Array
+
     Integers: TypeAlias = NDArray[np.int64]
 
 Color: TypeAlias = tuple[float, float, float, float]
@@ -32,7 +33,7 @@ class Skin:
         images: file of the picture for each colour of the mesh's paint; None where there is none.
     """
 
-    uv: Floats
+    uv: Array
     images: tuple[Path | None, ...]
 
 
@@ -47,13 +48,13 @@ class Mesh:
         skin: pictures on the faces, if any.
     """
 
-    vertices: Floats
+    vertices: Array
     faces: Integers
     paint: tuple[tuple[Color, int], ...]
     skin: Skin | None = None
 
     @property
-    def box(self) -> tuple[Floats, Floats]:
+    def box(self) -> tuple[Array, Array]:
         """Lowest and highest corner of the axis-aligned bounding box [m]."""
         return self.vertices.min(axis=0), self.vertices.max(axis=0)
 
@@ -133,7 +134,7 @@ def _merged_skins(parts: Sequence[Mesh]) -> Skin | None:
     )
 
 
-def _with_faces(mesh: Mesh, kept: NDArray[np.bool_], vertices: Floats, faces: Integers) -> Mesh:
+def _with_faces(mesh: Mesh, kept: NDArray[np.bool_], vertices: Array, faces: Integers) -> Mesh:
     """Return `mesh` with other vertices and of the new `faces` only the kept ones."""
     ends = np.cumsum([count for _, count in mesh.paint])
     total = np.concatenate([[0], np.cumsum(kept)])

@@ -2,7 +2,7 @@
 
 Prints ratios measured in one run and writes them to test-output/benchmarks.md and .json. Words
 after the command go to pytest: `-k peers` runs the comparison with other programs alone. Those come
-with `pip install "fotsmc_pin[benchmarks,cluster,peers]"`; a missing one is named in the table.
+with `pip install -e ".[benchmarks,cluster,peers]"`; a missing one is named in the table.
 """
 
 from __future__ import annotations

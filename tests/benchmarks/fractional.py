@@ -1,7 +1,7 @@
 """Accuracy and cost of the fractional streams: `python -m tests.benchmarks.fractional`.
 
 Prints the tables of docs/fractional.md in Markdown. `python -m tests.benchmarks.fractional peers`
-prints the comparison with other programs, which come with `pip install "fotsmc_pin[peers]"`.
+prints the comparison with other programs, which come with `pip install -e ".[peers]"`.
 """
 
 from __future__ import annotations

@@ -44,7 +44,7 @@ def test_help_comes_at_once(tmp_path):
         (("simulate", "two_link", "--gain", "theta"), "name=value"),
         (("simulate", "two_link", "--dt", "0"), "dt"),
         (("simulate", "two_link", "--duration", "nan"), "duration"),
-        (("simulate", "two_link", "--mass-scale", "-1"), "mass_scale"),
+        (("simulate", "two_link", "--mass-scale", "-1"), "--mass-scale"),
         (("animate", "nothing.npz"), "nothing.npz"),
         (("frobnicate",), "frobnicate"),
     ],

@@ -1,6 +1,7 @@
 """Every controller with every preset, on three arms, fed with the same measurements."""
 
 import warnings
+from functools import cache
 
 import numpy as np
 import pytest
@@ -22,8 +23,22 @@ class Make:
             return law(arm, dt, preset=preset, **gains)
 
 
+@cache
+def rows_around(arm, ticks, seed, spread):
+    """Return the rows of `wandering`, computed once for each arm; nobody writes into them."""
+    rows = tuple(fresh_rows(arm, ticks, seed, spread))
+    for row in rows:
+        for array in row:
+            array.setflags(write=False)
+    return rows
+
+
 def wandering(arm, ticks, seed=0, spread=0.05):
     """Measurements around a reference: rows `(q, v, q_d, v_d, a_d)`, smooth, at rest at first."""
+    return [tuple(np.array(part) for part in row) for row in rows_around(arm, ticks, seed, spread)]
+
+
+def fresh_rows(arm, ticks, seed, spread):
     rng = np.random.default_rng(seed)
     reference = Sinusoid.inside_limits(arm)
     phase, rate = rng.uniform(0.0, 6.0, arm.nv), rng.uniform(5.0, 20.0, arm.nv)

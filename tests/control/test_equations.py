@@ -17,6 +17,7 @@ from fotsmc_pin.control import (
     TerminalSMC,
 )
 from fotsmc_pin.fractional import FractionalDerivative, FractionalIntegral
+from tests.control.robust_oracle import RobustOracle
 
 DT = 1e-3
 TICKS = 60
@@ -42,8 +43,8 @@ class Tick:
     """One tick's terms, as the paper writes them."""
 
     def __init__(self, arm, row):
-        self.q, self.v, q_d, v_d, self.a_d = row
-        self.e, self.e_dot = arm.difference(q_d, self.q), self.v - v_d
+        self.q, self.v, q_d, self.v_d, self.a_d = row
+        self.e, self.e_dot = arm.difference(q_d, self.q), self.v - self.v_d
         self.M0 = arm.mass_matrix(self.q)
         self.h0 = arm.coriolis(self.q, self.v) @ self.v + arm.gravity(self.q)
 
@@ -175,42 +176,8 @@ def tde_fontsm(g, n):
     return law
 
 
-def robust_fonftsm(g, n):
-    derivative, integral = operators(n, g.alpha, g.tempering)
-    z, e_dot_a, y, d, mean_d, delta = (np.zeros(n) for _ in range(6))
-    last = {}
-
-    def law(x):
-        diagonal = np.diag(x.M0)
-        if last:  # the observer, and the floor that follows it
-            missing = x.M0 @ (x.v - last["v"]) / DT + x.h0 - last["tau"]
-            d[:] += 15.0 * DT / (1.0 + 15.0 * DT) * (missing - d)
-            far = (x.e / 0.02) ** 2
-            mean_d[:] += DT * (1.0 + 15.0 * far / (1.0 + far)) * (d - mean_d)
-            met = np.maximum(np.abs(d - mean_d) - 0.05 * diagonal, 0.0)
-            target = np.minimum(g.floor_share * met, g.floor_limit)
-            rate = np.where(target > delta, 3.0 / (1.0 + far), 0.15)
-            delta[:] += DT * rate * (target - delta)
-        else:
-            e_dot_a[:] = x.e_dot
-        bend = 1.0 / np.sqrt(1.0 + (x.e / g.reach) ** 2)
-        S = derivative.update(x.e_dot) + g.A * bend * x.e + g.lam * sig(x.e, g.power)
-        slope = g.lam * g.power * np.abs(x.e) ** (g.power - 1.0)
-        w = g.theta * (S + sig(S, g.mu)) + (g.A * bend**3 + slope) * x.e_dot + z
-        a = x.a_d - integral.update(w)
-        u = a + g.observer * (e_dot_a - x.e_dot)
-        y[:] = (y + g.floor_rate * DT * u) / (1.0 + g.floor_rate * DT)
-        tau = x.inverse_dynamics(u) + delta * y
-        z[:] += DT * g.integral * (S / g.boundary_layer) / (1.0 + (S / g.boundary_layer) ** 2)
-        e_dot_a[:] += DT * (a - x.a_d)
-        last.update(v=x.v, tau=tau)
-        return tau
-
-    return law
-
-
 LAWS = [
-    (RobustFONFTSM, "default", robust_fonftsm),
+    (RobustFONFTSM, "default", RobustOracle),
     (FONFTSM, "paper", fonftsm),
     (FONFTSM, "practical", fonftsm),
     (AdaptiveFONFTSM, "paper", fonftsm),
@@ -243,3 +210,30 @@ def test_a_run_of_ticks_follows_the_equations(law, preset, written, arm, make, w
         wanted = expected(Tick(arm, row))
         scale = max(scale, np.abs(wanted).max())
         np.testing.assert_allclose(controller.update(*row), wanted, rtol=1e-8, atol=1e-10 * scale)
+
+
+def held_still(arm, ticks):
+    """A rest in which joints stick, slip past their goal and, from the middle on, oscillate."""
+    rest = np.zeros(arm.nv)
+    for k in range(ticks):
+        slips = 1e-4 * np.sign(np.sin(2.0 * np.pi * k * DT * 2.5)) * np.linspace(0.5, 3.0, arm.nv)
+        swing, rate = (0.0, 0.0) if 2 * k < ticks else (2e-3, 30.0)
+        e = slips + swing * np.sin(rate * k * DT)
+        e_dot = swing * rate * np.cos(rate * k * DT) * np.ones(arm.nv)
+        yield arm.integrate(arm.neutral, e), e_dot, arm.neutral, rest, rest
+
+
+def test_the_robust_law_follows_its_equations_at_rest(arm):
+    """Sticking, hunting and the search for rotors all take part, and the equations still hold."""
+    controller = RobustFONFTSM(arm, DT)
+    controller.joints.effort_limit[:] = np.inf
+    expected = RobustOracle(controller.gains, arm.nv)
+    scale, took_part = 1.0, {"held": False, "allowed": False, "J": False}
+    for row in held_still(arm, 6000):
+        wanted = expected(Tick(arm, row))
+        scale = max(scale, np.abs(wanted).max())
+        np.testing.assert_allclose(controller.update(*row), wanted, rtol=1e-7, atol=1e-9 * scale)
+        took_part = {
+            part: seen or getattr(expected, part).any() for part, seen in took_part.items()
+        }
+    assert all(took_part.values()), took_part

@@ -108,12 +108,27 @@ def test_commands_are_understood(page):
         # Words in capitals stand for the reader's own.
         name, *arguments = shlex.split(re.sub(r"\b[A-Z]{3,}\b", "1", command))
         if name.startswith("-"):
-            assert name == "--help"
+            assert name in {option for p in program.params for option in p.opts} | {"--help"}
             continue
         known = program.get_command(None, name)
         assert known is not None, f"no command {name}"
         if "--help" not in arguments:
             known.make_context(name, arguments)
+
+
+@pytest.mark.parametrize("page", SHELL_PAGES, ids=name_of)
+def test_commands_work_as_typed_whether_or_not_the_environment_is_activated(page):
+    """Each page activates the environment before its first bare `fotsmc`, or names the program."""
+    shell = "\n".join(block.code for block in blocks_of(page) if block.language in SHELL)
+    first = re.search(r"^(?:\$ )?fotsmc ", shell, re.MULTILINE)
+    if first is not None:
+        assert ". .venv/bin/activate" in shell[: first.start()]
+
+
+def test_nobody_is_told_to_install_from_an_index_that_does_not_have_the_package():
+    files = [*PAGES, *(ROOT / "fotsmc_pin").rglob("*.py"), *(ROOT / "tests").rglob("*.py")]
+    named = re.compile(r"pip install [\"']?fotsmc[_-]pin")
+    assert not [name_of(file) for file in files if named.search(file.read_text("utf-8"))]
 
 
 def test_the_commands_of_the_documentation_are_found():

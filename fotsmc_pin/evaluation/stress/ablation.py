@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from fotsmc_pin.arms import Arm
-    from fotsmc_pin.evaluation.stress.table import StressRow
+    from fotsmc_pin.evaluation.stress.judging import StressRow
     from fotsmc_pin.progress import Progress
 
 VARIANTS: Mapping[str, Mapping[str, Any]] = {
@@ -23,6 +23,7 @@ VARIANTS: Mapping[str, Mapping[str, Any]] = {
     "no integral (b = 0)": {"integral": 0.0},
     "no disturbance observer (K = 0)": {"observer": 0.0},
     "no inertia floor": {"floor_share": 0.0},
+    "no search for rotors": {"rotor_limit": 0.0},
     "no anti-windup": {"anti_windup": False},
 }
 """Gains that switch one ingredient off, by what they leave out."""
@@ -38,7 +39,7 @@ def ablate(
     """Run each of `VARIANTS` in a scenario.
 
     Args:
-        run: `(controller, label) -> row`: runs the scenario and judges the run.
+        run: `(controller, label) -> row`: runs the scenario and returns its row.
         arm: the nominal arm.
         dt: period of a tick [s].
         progress: True shows a bar on standard error; a callable is told the fraction done.

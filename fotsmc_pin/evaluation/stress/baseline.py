@@ -6,12 +6,13 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from fotsmc_pin.control import ComputedTorque
-from fotsmc_pin.evaluation.stress.scenario import DT, DURATION, Scenario
-from fotsmc_pin.evaluation.stress.table import StressRow, run_row
+from fotsmc_pin.evaluation.stress.judging import StressRow, run_row
+from fotsmc_pin.evaluation.stress.scenario import DURATION
 from fotsmc_pin.evaluation.tuning import Span, minimize
 from fotsmc_pin.progress import reporting
 
 if TYPE_CHECKING:
+    from fotsmc_pin.evaluation.stress.scenario import Scenario
     from fotsmc_pin.progress import Progress
 
 TRIALS = 200
@@ -20,9 +21,9 @@ SEARCH_SPACE = {
     "kd": Span(low=3.0, high=1e3, logarithmic=True),
     "ki": Span(low=1.0, high=1e7, logarithmic=True),
 }
-"""Where the gains of the PID are looked for: three to seven decades each."""
+"""Search space of the PID's gains: two and a half to seven decades each."""
 STEEPNESS = 4
-"""Power with which torque variation beyond its bound counts against a set of gains."""
+"""Exponent with which torque variation beyond its bound, as a ratio, multiplies the cost."""
 PENALTY = 10.0
 """Cost of a run that diverged [rad]."""
 
@@ -38,10 +39,11 @@ def best_pid(
 ) -> tuple[StressRow, dict[str, float]]:
     """Search the PID gains with the smallest tail RMS error on the scenario itself.
 
-    The PID is tuned to the very run that it is judged by, noise and all; its competitor is not.
+    The PID is tuned on the very run that it is judged by, including the noise; its competitor is
+    not.
 
     Args:
-        scenario: what the PID is judged by.
+        scenario: the run that the PID is tuned on and judged by.
         trials: how many sets of gains are tried, the law's own PID preset first.
         seed: of the search.
         duration: simulated time of each run [s].
@@ -57,7 +59,9 @@ def best_pid(
     """
 
     def judged(gains: dict[str, Any]) -> StressRow:
-        return run_row(scenario, ComputedTorque(scenario.arm, DT, **gains), "best PID", duration)
+        return run_row(
+            scenario, ComputedTorque(scenario.arm, scenario.dt, **gains), "best PID", duration
+        )
 
     def cost(gains: dict[str, float]) -> float:
         row = judged(gains)

@@ -1,4 +1,4 @@
-"""The payloads that makers state for their arms."""
+"""The payloads for which manufacturers rate their arms."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ RATED_PAYLOAD = {
     "xarm7": 3.5,
     "z1": 2.0,
 }
-"""Rated payload by the arm's name, from the makers' data sheets [kg]."""
+"""Rated payload by the arm's name, from the manufacturers' data sheets [kg]."""
 SHARE_OF_MASS = 0.1
 """Payload of an arm that is not in the list, as a share of the mass of its moving links."""
 

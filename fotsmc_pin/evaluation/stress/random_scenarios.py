@@ -1,8 +1,8 @@
-"""Scenarios with random perturbation, noise, friction, delay and start, each from its own seed."""
+"""Scenarios with random plant, course, noise, delay and start, each from its own seed."""
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,22 +11,28 @@ from fotsmc_pin import checks
 from fotsmc_pin.arms import perturb
 from fotsmc_pin.arms.random_numbers import Uniform
 from fotsmc_pin.control import CONTROLLERS, Controller, RobustFONFTSM
+from fotsmc_pin.evaluation.stress.courses import hold, lasting, moves, sine
+from fotsmc_pin.evaluation.stress.judging import StressRow, run_row
 from fotsmc_pin.evaluation.stress.payloads import stress_payload
+from fotsmc_pin.evaluation.stress.plants import true_armature, with_rotors
 from fotsmc_pin.evaluation.stress.scenario import DT, Scenario
-from fotsmc_pin.evaluation.stress.table import StressRow, run_row
+from fotsmc_pin.evaluation.stress.table import DRAWN
 from fotsmc_pin.progress import reporting
-from fotsmc_pin.references import Sinusoid
 
 if TYPE_CHECKING:
     from fotsmc_pin.arms import Arm
+    from fotsmc_pin.evaluation.stress.courses import Course
     from fotsmc_pin.progress import Progress
 
 DURATION = 4.0
+LIGHTEST_ROTORS, HEAVIEST_ROTORS = 800.0, 50.0
+"""Range of effort limit over true armature [rad/s², m/s²]."""
+COURSES = ("sine", "moves", "hold")
 
 
 @dataclass(frozen=True, kw_only=True)
 class SeededRow:
-    """The result in a random scenario, and the seed that makes the scenario again.
+    """The result in a random scenario, and the seed that reproduces the scenario.
 
     Attributes:
         seed: of `random_scenario`.
@@ -41,40 +47,68 @@ class SeededRow:
         return {"seed": self.seed, **asdict(self.row)}
 
 
-def random_scenario(arm: Arm, seed: int) -> Scenario:
+def random_scenario(arm: Arm, seed: int, *, duration: float = DURATION) -> Scenario:
     """Return a scenario whose every number is drawn from one seed.
 
-    Evenly drawn: for each link a factor of 0.7 to 1.5 on its mass and a centre of mass up to 20 mm
-    away, a payload up to the rated one, for each joint a Coulomb friction up to 1 N·m and a viscous
-    one up to 1 N·m·s/rad, a start error within 0.3 rad for each joint, a delay of 0, 1 or 2 ticks;
-    position noise of up to 3e-5 rad and velocity noise of up to 3e-3 rad/s. The friction of a joint
-    whose effort limit is below 20 N·m is not scaled down.
+    The nominal arm has rotors by rule, effort limit / 200, where its file gives none. Drawn for the
+    true arm, evenly: for each link a factor of 0.7 to 1.5 on its mass and a centre of mass up to
+    20 mm away, a payload up to the rated one; for each joint a Coulomb friction up to 1 N·m, with
+    breakaway at 1 to 1.5 times that, falling over 0.02 to 0.1 rad/s (Stribeck), a viscous friction
+    up to 1 N·m·s/rad and a start error within 0.3 rad; a delay of 0, 1 or 2 ticks; position noise
+    of up to 3e-5 rad and velocity noise of up to 3e-3 rad/s; and what to do: sinusoids, moves (with
+    half a second of rest before the first and one after each) or a hold. The rotor of each joint
+    is drawn from effort limit / 800 to / 50, evenly in its logarithm. The friction of a joint whose
+    effort limit is below 20 N·m is not scaled down.
 
     Args:
-        arm: the nominal arm.
+        arm: the nominal arm, as it was loaded.
         seed: of the numbers.
+        duration: simulated time [s]; the last half is judged.
     """
     rng = np.random.default_rng([checks.count("seed", seed, at_least=0), 7])
+    nominal = with_rotors(arm)
+    start_error = rng.uniform(-0.3, 0.3, arm.nv)
+    position_noise = float(rng.uniform(0.0, 3e-5))
+    velocity_noise = float(rng.uniform(0.0, 3e-3))
+    delay = int(rng.integers(0, 3))
+    exponents = rng.uniform(np.log(HEAVIEST_ROTORS), np.log(LIGHTEST_ROTORS), arm.nv)
+    what = COURSES[int(rng.integers(len(COURSES)))]
     true = perturb(
-        arm,
+        nominal,
         mass_scale=Uniform(0.7, 1.5),
         com_shift=Uniform(0.0, 0.02),
         payload=Uniform(0.0, stress_payload(arm)),
         friction=Uniform(0.0, 1.0),
         damping=Uniform(0.0, 1.0),
+        stiction=Uniform(1.0, 1.5),
+        stribeck_velocity=Uniform(0.02, 0.1),
+        armature=true_armature(nominal, np.exp(exponents)),
         seed=seed,
     )
-    reference = Sinusoid.inside_limits(arm)
+    course = _course(what, arm, true, duration)
     return Scenario(
-        arm=arm,
+        arm=nominal,
         true=true,
-        reference=reference,
-        q0=arm.integrate(reference(0.0)[0], rng.uniform(-0.3, 0.3, arm.nv)),
-        position_noise=float(rng.uniform(0.0, 3e-5)),
-        velocity_noise=float(rng.uniform(0.0, 3e-3)),
-        delay=int(rng.integers(0, 3)),
+        course=course,
+        q0=arm.integrate(course.reference(0.0)[0], start_error),
+        position_noise=position_noise,
+        velocity_noise=velocity_noise,
+        delay=delay,
         seed=seed,
+        name=what,
+        variant=DRAWN,
+        text=f"{course.text}. {'; '.join(true.changes)}. Torque {delay} ticks late, noise of "
+        f"{position_noise:.2g} rad and {velocity_noise:.2g} rad/s.",
     )
+
+
+def _course(what: str, arm: Arm, true: Arm, duration: float) -> Course:
+    if what == "sine":
+        return sine(arm, duration)
+    if what == "hold":
+        return hold(arm, true, duration)
+    course = lasting(moves(arm, true, first_dwell=0.5, dwell=1.0), duration)
+    return replace(course, judged=(0.5 * duration, duration))
 
 
 def run_random_scenarios(
@@ -98,11 +132,11 @@ def run_random_scenarios(
     """
     if isinstance(law, str):
         law = CONTROLLERS[checks.choice("law", law, [*CONTROLLERS])]
-    controller, done = law(arm, DT), []
+    controller, done = law(with_rotors(arm), DT), []
     checks.count("count", count)
     with reporting(progress, f"{law.__name__}, {arm.name}") as report:
         for seed in range(first_seed, first_seed + count):
-            row = run_row(random_scenario(arm, seed), controller, law.__name__, duration)
+            row = run_row(random_scenario(arm, seed, duration=duration), controller, law.__name__)
             done.append(SeededRow(seed=seed, row=row))
             report(len(done) / count)
     return sorted(done, key=lambda found: (not found.row.diverged, -found.row.tail_rms_error))

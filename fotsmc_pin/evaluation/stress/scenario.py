@@ -1,123 +1,111 @@
-"""`Scenario`: a nominal arm, the true arm that differs from it, and all that makes the run hard."""
+"""`Scenario`: a nominal arm, the true arm that differs from it, start, noise and delay of a run."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fotsmc_pin import checks
-from fotsmc_pin.arms import perturb
-from fotsmc_pin.control import warn_of_gravity
-from fotsmc_pin.evaluation.stress.payloads import stress_payload
-from fotsmc_pin.references import Sinusoid
-from fotsmc_pin.simulation import NoisySensor, TickDelay, simulate
+from fotsmc_pin.simulation import Encoder, NoisySensor, TickDelay, simulate
 
 if TYPE_CHECKING:
     from fotsmc_pin.arms import Arm
     from fotsmc_pin.control import Controller
+    from fotsmc_pin.evaluation.stress.courses import Course
     from fotsmc_pin.simulation import Recording
-    from fotsmc_pin.types import Array, Reference
+    from fotsmc_pin.types import Array, Reference, Sensor
 
 
 DT = 1e-3
 DURATION = 6.0
-MASS_SCALE = 1.3
-FRICTION = 0.5
-"""Coulomb [N·m] and viscous [N·m·s/rad] friction of a joint of at least `FULL_EFFORT`."""
-FULL_EFFORT = 20.0
-"""Effort limit below which a joint's friction is scaled down in proportion [N·m]."""
 POSITION_NOISE, VELOCITY_NOISE = 1e-5, 1e-3
 START_ERROR = 0.2
 DELAY = 1
 SUBSTEPS = 2
+PLANT_STEP = DT / SUBSTEPS
+"""Step of the plant [s]; slower controllers do not make it longer."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Scenario:
-    """A closed loop that is ready to be run with any controller of `arm`.
+    """A closed loop that is ready to be run with any controller of `arm` and `dt`.
 
     Attributes:
         arm: the nominal arm, which the controller knows.
         true: the arm that moves.
-        reference: what to follow, `t -> (q_d, v_d, a_d)`.
+        course: what to follow, and where the run is judged.
         q0: configuration at the start (nq,); the arm starts at rest.
         position_noise: standard deviation [rad, m].
         velocity_noise: standard deviation [rad/s, m/s].
+        bits: of encoders in place of noise and of a velocity sensor; None for those.
+        encoder: side of elastic joints on which is measured, "motor" or "link".
         delay: ticks that the torque comes late.
+        dt: period of a tick [s].
+        substeps: of the plant in a tick.
         seed: of the noise.
+        name: of the scenario.
+        variant: which of the scenario's cases it is.
+        text: plant and course in words.
+        frictionless: the true arm without friction, where a run of it is to be compared with.
     """
 
     arm: Arm
     true: Arm
-    reference: Reference
+    course: Course
     q0: Array
     position_noise: float = POSITION_NOISE
     velocity_noise: float = VELOCITY_NOISE
+    bits: int | None = None
+    encoder: str = "motor"
     delay: int = DELAY
+    dt: float = DT
+    substeps: int = SUBSTEPS
     seed: int = 0
+    name: str = "sine"
+    variant: str = "raw"
+    text: str = ""
+    frictionless: Arm | None = None
 
-    def run(self, controller: Controller, duration: float = DURATION) -> Recording:
+    @property
+    def reference(self) -> Reference:
+        """What to follow, `t -> (q_d, v_d, a_d)`."""
+        return self.course.reference
+
+    @property
+    def twin(self) -> Scenario | None:
+        """The same scenario without friction, where there is one."""
+        if self.frictionless is None:
+            return None
+        return replace(self, true=self.frictionless, frictionless=None)
+
+    def run(self, controller: Controller, duration: float | None = None) -> Recording:
         """Run a controller of the nominal arm; joints stick and slip.
 
         Args:
-            controller: of the arm `arm`.
-            duration: simulated time [s].
+            controller: of the arm `arm`, with ticks of `dt`.
+            duration: simulated time [s]; None for the course's.
 
         Raises:
-            DivergenceError: a joint left every reasonable bound.
+            DivergenceError: a joint's speed exceeded every reasonable bound.
         """
         return simulate(
             self.true,
             controller,
             self.reference,
-            duration,
+            self.course.duration if duration is None else duration,
             q0=self.q0,
             v0=np.zeros(self.arm.nv),
-            sensor=NoisySensor(
-                self.arm,
-                position=self.position_noise,
-                velocity=self.velocity_noise,
-                seed=self.seed,
-            ),
+            sensor=self._sensor(),
             actuator=TickDelay(self.delay),
             integrator="semi-implicit",
-            substeps=SUBSTEPS,
+            substeps=self.substeps,
+            encoder=self.encoder,
         )
 
-
-def stress_scenario(arm: Arm, *, payload: float | None = None, seed: int = 0) -> Scenario:
-    """Return the stress scenario of an arm.
-
-    The plant has 30 % more mass in each link, the rated payload of the arm (or a tenth of its mass)
-    at the tool, and 0.5 N·m Coulomb and 0.5 N·m·s/rad viscous friction in each joint; a joint whose
-    effort limit is below 20 N·m has less of both, in proportion. Noise of 1e-5 rad and 1e-3 rad/s
-    is on the measurements, the torque comes one tick late, every joint starts 0.2 rad off. The
-    reference swings each joint inside the limits of the nominal arm.
-
-    Args:
-        arm: the nominal arm.
-        payload: mass at the tool [kg]; None for the rated one.
-        seed: of the noise.
-
-    Warns:
-        GravityWarning: gravity asks the arm for more than its effort limits.
-    """
-    warn_of_gravity(arm)
-    reference = Sinusoid.inside_limits(arm)
-    friction = (FRICTION * np.minimum(1.0, arm.effort_limit / FULL_EFFORT)).tolist()
-    mass = stress_payload(arm) if payload is None else payload
-    return Scenario(
-        arm=arm,
-        true=perturb(
-            arm,
-            mass_scale=MASS_SCALE,
-            payload=checks.finite_number("payload", mass, at_least=0.0),
-            friction=friction,
-            damping=friction,
-        ),
-        reference=reference,
-        q0=arm.integrate(reference(0.0)[0], np.full(arm.nv, START_ERROR)),
-        seed=checks.count("seed", seed, at_least=0),
-    )
+    def _sensor(self) -> Sensor:
+        if self.bits is not None:
+            return Encoder(self.arm, self.dt, bits=self.bits)
+        return NoisySensor(
+            self.arm, position=self.position_noise, velocity=self.velocity_noise, seed=self.seed
+        )

@@ -1,66 +1,115 @@
-"""`stress`: controllers times arms, in the one scenario that is hard on all of them."""
+"""`stress`: controllers times arms times scenarios, one row for each run."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
+
+import joblib
 
 from fotsmc_pin import checks
 from fotsmc_pin.arms import load_arm
-from fotsmc_pin.control import CONTROLLERS, Controller
-from fotsmc_pin.evaluation.stress.scenario import DT, DURATION, stress_scenario
-from fotsmc_pin.evaluation.stress.table import StressRow, run_row
+from fotsmc_pin.control import CONTROLLERS, Controller, warn_of_gravity
+from fotsmc_pin.evaluation.stress.cases import chosen_cases
+from fotsmc_pin.evaluation.stress.judging import StressRow, run_row
 from fotsmc_pin.progress import reporting
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from fotsmc_pin.arms import Arm
+    from fotsmc_pin.evaluation.stress.case import Case
     from fotsmc_pin.progress import Progress
 
     Maker: TypeAlias = Callable[[Arm, float], Controller]
 
 PREFERRED_PRESETS = ("practical", "pid", "boundary_layer")
 """Presets for use on an arm, where a law has one; the first preset of a law is its printed form."""
+DEFAULT_CASE = "sine raw"
 
 
 def stress(
     arms: Iterable[Arm | str],
     controllers: Iterable[str] | Mapping[str, Maker] | None = None,
     *,
-    duration: float = DURATION,
+    scenarios: str | Iterable[str] = DEFAULT_CASE,
+    duration: float | None = None,
     seed: int = 0,
+    jobs: int = 1,
     progress: Progress = False,
 ) -> list[StressRow]:
-    """Run every controller on every arm in the stress scenario (`stress_scenario`), at 1 kHz.
+    """Run every controller on every arm in the chosen scenarios.
 
     Args:
         arms: arms, or what `load_arm` takes.
         controllers: names of laws, or makers `(arm, dt) -> Controller` by label; all laws by
-            default. A law by name runs with its preset for practice, or its default gains.
-        duration: simulated time of each run [s]; the last half is the tail.
+            default. A law by name runs with its preset for practice, or its default gains. A maker
+            is called anew for each run, with the nominal arm and the tick of the case.
+        scenarios: "sine", "hold", "moves", "rotors", "delay", "slow", "stribeck", "light",
+            "elastic", "encoder" (`evaluation.stress.SCENARIOS` says what each is), "all", or labels
+            of single cases, such as "hold raw". By default sinusoids with both arms as their files
+            say.
+        duration: simulated time of each run [s]; None for the course's own. Sinusoids and holds are
+            scaled to it, moves are cut short.
         seed: of the noise.
+        jobs: processes on this machine; -1 for one per core. The rows are the same.
         progress: True shows a bar on standard error; a callable is told the fraction done.
 
     Returns:
-        One row per arm and controller.
+        One row per arm, controller and case, in this order.
 
     Raises:
-        ArgumentError: an unknown name of a law.
+        ArgumentError: an unknown name of a law or scenario.
         ArmNotFoundError: an unknown arm.
 
     Warns:
         GravityWarning: gravity asks an arm for more than its effort limits.
     """
     loaded = [load_arm(arm) if isinstance(arm, str) else arm for arm in arms]
-    makers = _makers(controllers)
+    makers, cases = _makers(controllers), chosen_cases(scenarios)
+    for arm in loaded:  # here, because what another process warns of is not heard
+        warn_of_gravity(arm)
+    runs = [
+        Run(case, arm, label, make, duration, seed)
+        for arm in loaded
+        for label, make in makers.items()
+        for case in cases
+    ]
     rows = []
     with reporting(progress, ", ".join(arm.name for arm in loaded)) as report:
-        for arm in loaded:
-            scenario = stress_scenario(arm, seed=seed)
-            for label, make in makers.items():
-                rows.append(run_row(scenario, make(arm, DT), label, duration))
-                report(len(rows) / (len(loaded) * len(makers)))
+        for row in _carried_out(runs, jobs):
+            rows.append(row)
+            report(len(rows) / len(runs))
     return rows
+
+
+@dataclass(frozen=True)
+class Run:
+    """One cell of the matrix, to be run here or in another process."""
+
+    case: Case
+    arm: Arm
+    label: str
+    make: Maker
+    duration: float | None
+    seed: int
+
+    def __call__(self) -> StressRow:
+        """Carry it out."""
+        scenario = self.case.scenario_of(self.arm, duration=self.duration, seed=self.seed)
+        return run_row(scenario, self.make(scenario.arm, scenario.dt), self.label)
+
+
+def _carried_out(runs: Sequence[Run], jobs: int) -> Iterator[StressRow]:
+    if jobs == 1 or len(runs) < 2:
+        yield from (run() for run in runs)
+        return
+    parallel = joblib.Parallel(n_jobs=jobs, backend="loky", return_as="generator")
+    yield from parallel(joblib.delayed(_call)(run) for run in runs)
+
+
+def _call(run: Run) -> StressRow:
+    return run()
 
 
 def _makers(controllers: Iterable[str] | Mapping[str, Maker] | None) -> dict[str, Maker]:
@@ -75,6 +124,6 @@ def _makers(controllers: Iterable[str] | Mapping[str, Maker] | None) -> dict[str
 
 
 def law_maker(law: type[Controller]) -> Maker:
-    """Return what makes a controller of `law` with its preset for practice."""
+    """Return a function that makes a controller of `law` with its preset for practical use."""
     preset = next((name for name in PREFERRED_PRESETS if name in law.presets), None)
     return lambda arm, dt: law(arm, dt, preset=preset)

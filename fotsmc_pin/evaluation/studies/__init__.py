@@ -3,7 +3,7 @@
 from fotsmc_pin.evaluation.studies.closed_loop import ClosedLoop
 from fotsmc_pin.evaluation.studies.planned_runs import PlannedRun
 from fotsmc_pin.evaluation.studies.result import StudyResult
-from fotsmc_pin.evaluation.studies.study import study
+from fotsmc_pin.evaluation.studies.study import check_study, study
 from fotsmc_pin.evaluation.studies.study_file import read_study
 
-__all__ = ["PlannedRun", "ClosedLoop", "StudyResult", "read_study", "study"]
+__all__ = ["PlannedRun", "ClosedLoop", "StudyResult", "check_study", "read_study", "study"]

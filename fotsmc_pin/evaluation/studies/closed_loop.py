@@ -6,6 +6,7 @@ import json
 from dataclasses import dataclass, field, fields, replace
 from difflib import get_close_matches
 from functools import lru_cache
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -56,7 +57,7 @@ class ClosedLoop:
     """
 
     arm: Arm | str
-    controller: str = "AdaptiveFONFTSM"
+    controller: str = "RobustFONFTSM"
     preset: str | None = None
     gains: Mapping[str, Any] = field(default_factory=dict)
     dt: float = 1e-3
@@ -73,7 +74,8 @@ class ClosedLoop:
     reference: Callable[[Arm], Reference] = Sinusoid.inside_limits
 
     def __post_init__(self) -> None:
-        """Refuse a controller that is not there before a thousand runs do."""
+        """Refuse a controller or an arm that is none before a thousand runs do."""
+        checks.instance("arm", self.arm, (Arm, str), "give an arm, or what load_arm takes")
         checks.choice("controller", self.controller, [*CONTROLLERS])
 
     def __call__(self, parameters: Mapping[str, Any], seed: int) -> Summary:
@@ -106,18 +108,41 @@ class ClosedLoop:
                 raise ArgumentError(name, value, remedy)
         return replace(self, **{"gains": gains, **changed})
 
+    def check(self, parameters: Mapping[str, Any]) -> None:
+        """Refuse parameters with which no run could start: names, gains, perturbations, numbers.
+
+        Raises:
+            ArgumentError: naming the parameter, its value and the remedy.
+            ArmNotFoundError: an unknown arm.
+        """
+        loop = self.having(parameters)
+        arm = loop._nominal
+        dt = checks.finite_number("dt", loop.dt, above=0.0)
+        checks.finite_number("duration", loop.duration, at_least=dt)
+        checks.finite_number("start_error", loop.start_error)
+        checks.count("substeps", loop.substeps)
+        if loop.integrator is not None:
+            checks.choice("integrator", loop.integrator, ("rk4", "semi-implicit"))
+        law = CONTROLLERS[loop.controller]
+        preset = checks.choice("preset", loop.preset or next(iter(law.presets)), [*law.presets])
+        law.Gains.resolve(arm, dt, law.presets[preset], loop.gains)
+        loop._true(arm, seed=0)
+
     @property
     def identity(self) -> str:
         """Everything that the outcome depends on, as text."""
         parts = {f.name: getattr(self, f.name) for f in fields(self)}
         arm, reference = self.arm, self.reference
-        parts["arm"] = arm.to_dict() if isinstance(arm, Arm) else arm
+        parts["arm"] = arm.to_dict() if isinstance(arm, Arm) else [arm, _arm(arm).urdf]
         parts["reference"] = getattr(reference, "__qualname__", repr(reference))
         return json.dumps(parts, sort_keys=True, default=repr)
 
-    def _record(self, seed: int) -> Recording:
-        arm = self.arm if isinstance(self.arm, Arm) else _arm(self.arm)
-        true = perturb(
+    @property
+    def _nominal(self) -> Arm:
+        return self.arm if isinstance(self.arm, Arm) else _arm(self.arm)
+
+    def _true(self, arm: Arm, seed: int) -> Arm:
+        return perturb(
             arm,
             mass_scale=self.mass_scale,
             inertia_scale=self.inertia_scale,
@@ -127,6 +152,10 @@ class ClosedLoop:
             damping=self.damping,
             seed=seed,
         )
+
+    def _record(self, seed: int) -> Recording:
+        arm = self._nominal
+        true = self._true(arm, seed)
         law = CONTROLLERS[self.controller](arm, self.dt, preset=self.preset, **self.gains)
         reference = _reference(self.reference, arm)
         q_start, _, _ = reference(0.0)
@@ -146,6 +175,15 @@ def _reference(make: Callable[[Arm], Reference], arm: Arm) -> Reference:
     return make(arm)
 
 
-@lru_cache(maxsize=8)
 def _arm(name: str) -> Arm:
+    """Return the arm of this name or file; a file that was edited since is read again."""
+    try:
+        file = Path(name).stat()
+    except OSError:
+        return _loaded(name, None)
+    return _loaded(name, (file.st_mtime_ns, file.st_size))
+
+
+@lru_cache(maxsize=8)
+def _loaded(name: str, state: tuple[int, int] | None) -> Arm:
     return load_arm(name)

@@ -66,6 +66,21 @@ def planned_runs(grid: Grid, draws: Distributions, repeats: int, seed: int) -> l
     ]
 
 
+def probes(grid: Grid, draws: Distributions) -> Iterator[dict[str, Any]]:
+    """Yield parameters that try every value of a grid, each with the draws at all their ends.
+
+    A `Uniform` has two ends; of a list each value is one.
+    """
+    ends = {
+        name: [values.low, values.high] if isinstance(values, Uniform) else list(values)
+        for name, values in _plain(draws).items()
+    }
+    most = max(map(len, ends.values()), default=1)
+    for point in _points(_plain(grid)):
+        for k in range(most):
+            yield {**point, **{name: values[k % len(values)] for name, values in ends.items()}}
+
+
 def _plain(table: Mapping[str, Any]) -> dict[str, Any]:
     return {
         name: values.tolist() if isinstance(values, np.ndarray) else values

@@ -6,7 +6,7 @@ import hashlib
 from typing import TYPE_CHECKING, Any
 
 from fotsmc_pin.errors import ArgumentError
-from fotsmc_pin.evaluation.studies.planned_runs import planned_runs
+from fotsmc_pin.evaluation.studies.planned_runs import planned_runs, probes
 from fotsmc_pin.evaluation.studies.result import StudyResult
 from fotsmc_pin.evaluation.studies.store import Store
 from fotsmc_pin.evaluation.studies.workers import run_all
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Callable
 
-    from fotsmc_pin.evaluation.studies.planned_runs import Distributions, Grid
+    from fotsmc_pin.evaluation.studies.planned_runs import Distributions, Grid, PlannedRun
     from fotsmc_pin.progress import Progress
 
 
@@ -41,7 +41,9 @@ def study(
     Args:
         run: `(parameters, seed) -> metrics`; `parameters` is a dict of what is different in this
             run, `metrics` a `Summary` or a dict of numbers. `ClosedLoop` is one; any function or
-            object that pickles will do. An error that it raises becomes a row.
+            object that pickles will do. An error that it raises becomes a row. Where it has a
+            method `check(parameters)`, that is asked of every point of the grid, with the draws at
+            their ends, before the first run, and its error ends the study.
         grid: names and lists of values; every combination is run. The values are plain data.
         draws: names, each with a `Uniform` or a list to draw from.
         repeats: draws for each point of the grid.
@@ -64,7 +66,7 @@ def study(
     """
     if jobs == 0 or isinstance(jobs, bool) or not isinstance(jobs, int):
         raise ArgumentError("jobs", jobs, "give a number of processes, or -1 for one per core")
-    wanted = planned_runs(grid or {}, draws or {}, repeats, seed)
+    wanted = check_study(run, grid=grid, draws=draws, repeats=repeats, seed=seed)
     name = identity(run)
     with Store(store) as kept, reporting(progress, "study") as report:
         done = kept.finished(failed=not retry_failed)
@@ -76,6 +78,30 @@ def study(
             finished += 1
             report(finished / len(wanted))
         return StudyResult(tuple(kept.read(planned.key(name) for planned in wanted)))
+
+
+def check_study(
+    run: Callable[..., Any],
+    *,
+    grid: Grid | None = None,
+    draws: Distributions | None = None,
+    repeats: int = 1,
+    seed: int = 0,
+) -> list[PlannedRun]:
+    """Return the runs of a study, once all that can be checked beforehand is checked.
+
+    Raises:
+        ArgumentError: an argument, or a parameter that `run.check` refuses.
+    """
+    if not callable(run):
+        remedy = "give a ClosedLoop, or a function (parameters, seed) -> metrics"
+        raise ArgumentError("run", run, remedy)
+    wanted = planned_runs(grid or {}, draws or {}, repeats, seed)
+    check = getattr(run, "check", None)
+    if check is not None:
+        for parameters in probes(grid or {}, draws or {}):
+            check(parameters)
+    return wanted
 
 
 def identity(run: Callable[..., Any]) -> str:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import tempfile
+import threading
 import time
 from contextlib import contextmanager
 from functools import lru_cache
@@ -21,6 +24,9 @@ if TYPE_CHECKING:
     from fotsmc_pin.evaluation.studies.planned_runs import PlannedRun
 
     Run = Callable[..., Any]
+
+LOOK_FOR_PARENT = 1.0
+"""How often a worker looks whether the process that started it still lives [s]."""
 
 
 def carry_out(run: Run, planned: PlannedRun) -> Row:
@@ -70,7 +76,24 @@ def _processes(run: Run, jobs: int) -> Iterator[tuple[OnDisk, dict[str, Any]]]:
     with tempfile.TemporaryDirectory(prefix="fotsmc-study-") as folder:
         path = Path(folder) / "run.pickle"
         path.write_bytes(cloudpickle.dumps(run))
-        yield OnDisk(path), {"n_jobs": jobs, "backend": "loky"}
+        yield OnDisk(path), {"n_jobs": jobs, "backend": "loky", "initializer": live_with_parent}
+
+
+def live_with_parent() -> None:
+    """Let this worker end with the process that started it, however that one ends.
+
+    Ctrl-C is left to the parent, which stops its workers; where the parent is gone without a word
+    (`kill -9`), the worker ends within seconds by itself.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = os.getppid()
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(LOOK_FOR_PARENT)
+        os._exit(1)
+
+    threading.Thread(target=watch, name="live_with_parent", daemon=True).start()
 
 
 class OnDisk:
@@ -96,7 +119,7 @@ def _cluster(run: Run, scheduler: str) -> Iterator[tuple[Run, dict[str, Any]]]:
         from distributed import Client
     except ImportError as error:
         raise MissingDependencyError(
-            "a scheduler needs Dask: pip install 'fotsmc_pin[cluster]'"
+            "a scheduler needs Dask: pip install 'dask[distributed]'"
         ) from error
     try:
         client = Client(scheduler, timeout="10s", set_as_default=False)

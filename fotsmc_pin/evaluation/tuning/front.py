@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from fotsmc_pin import checks
 from fotsmc_pin.errors import ArgumentError
-from fotsmc_pin.evaluation.tuning.minimize import require_optuna, suggested
+from fotsmc_pin.evaluation.tuning.minimize import require_optuna, suggested, trying_anything
 from fotsmc_pin.evaluation.tuning.space import search_space
 from fotsmc_pin.progress import reporting
 
@@ -56,6 +56,7 @@ def tune(
     objective: str = "tail_rms_error",
     largest_torque: float | None = None,
     seed: int = 0,
+    about: Mapping[str, Any] | None = None,
     progress: Progress = False,
 ) -> list[FrontPoint]:
     """Search gains for small error and small torque variation at once; go on where it was left.
@@ -72,21 +73,31 @@ def tune(
         objective: metric of error; one of `OBJECTIVES`.
         largest_torque: peak torque that a run may have [N·m]; None for no bound beyond the arm's.
         seed: of the search.
+        about: whatever else the outcome of `run` depends on (the arm, the scenario), as plain data
+            by name. It is kept in the file, and a search about something else is refused.
         progress: True shows a bar on standard error; a callable is told the fraction done.
 
     Returns:
         The front, smallest error first.
 
     Raises:
-        ArgumentError: an unknown objective, a bad number, or a file of another search.
+        ArgumentError: an unknown objective, a bad number, or a file of another search: the message
+            says what differs.
         MissingDependencyError: Optuna is not installed.
     """
     optuna = require_optuna()
     checks.choice("objective", objective, OBJECTIVES)
     trials = checks.count("trials", trials)
     space = search_space(law, start)
-    about = {"law": law.__name__, "objective": objective, "largest_torque": largest_torque}
-    search = _open_search(optuna, path, seed, about)
+    known = {
+        "law": law.__name__,
+        "objective": objective,
+        "largest_torque": largest_torque,
+        "seed": seed,
+        "start": {name: _plain(value) for name, value in start.items()},
+        **(about or {}),
+    }
+    search = _open_search(optuna, path, seed, known)
     if not search.trials:
         search.enqueue_trial(
             {name: min(max(start[name], span.low), span.high) for name, span in space.items()}
@@ -100,7 +111,7 @@ def tune(
             return FAILED, FAILED
         return min(getattr(summary, objective), FAILED), summary.tail_torque_variation
 
-    with reporting(progress, f"tuning {law.__name__}") as report:
+    with reporting(progress, f"tuning {law.__name__}") as report, trying_anything():
         while (done := len(_finished(optuna, search))) < trials:
             search.optimize(cost, n_trials=1)
             report((done + 1) / trials)
@@ -136,9 +147,31 @@ def _open_search(
         search.set_user_attr("about", about)
     elif before != about:
         raise ArgumentError(
-            "path", str(path), f"holds a search of {before}; name another file or ask for the same"
+            "path",
+            str(path),
+            f"holds another search: {'; '.join(_differences(before, about))}. Name another file, "
+            "or ask for the same",
         )
     return search
+
+
+def _differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
+    """Return in words where two searches differ."""
+    names = [name for name in dict.fromkeys([*now, *before]) if before.get(name) != now.get(name)]
+    words = [
+        f"its {name} is {before.get(name, 'not known')}, not {now.get(name, 'given')}"
+        for name in names
+        if name != "start"
+    ]
+    if "start" in names:
+        old, new = before.get("start", {}), now.get("start", {})
+        differing = [gain for gain in new if old.get(gain) != new[gain]]
+        words.append(f"it starts from another {', '.join(differing) or 'set of gains'}")
+    return words
+
+
+def _plain(value: Any) -> Any:
+    return value.tolist() if hasattr(value, "tolist") else value
 
 
 def _finished(optuna: Any, search: Any) -> list[Any]:

@@ -1,5 +1,8 @@
 """The stress suite: the scenario is what it says, and the law passes it untuned."""
 
+import math
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -16,8 +19,9 @@ from fotsmc_pin.evaluation.stress import (
     stress,
     stress_scenario,
 )
+from fotsmc_pin.evaluation.stress.judging import StressRow, run_row
 from fotsmc_pin.evaluation.stress.scenario import DT
-from fotsmc_pin.evaluation.stress.table import StressRow, run_row
+from fotsmc_pin.evaluation.stress.table import matrices, turned
 
 
 class Pusher:
@@ -119,7 +123,65 @@ def test_the_ablation_switches_one_ingredient_off_at_a_time():
     assert all(len(changed) == 1 for changed in seen[1:])
 
 
+class TestMatrix:
+    ROWS = (
+        StressRow(arm="a", controller="x", tail_rms_error=1e-3, diverged=False),
+        StressRow(arm="a", controller="x", scenario="slow", variant="2 ms"),
+        StressRow(
+            arm="b",
+            controller="x",
+            scenario="hold",
+            tail_rms_error=2e-3,
+            swing=(1e-3, 4e-3),
+            arrival_time=math.inf,
+            rest_torque_variation=3.0,
+            variation_without_friction=2.0,
+            diverged=False,
+        ),
+    )
+
+    def test_a_line_per_arm_and_a_column_per_case(self):
+        tables = matrices(self.ROWS)
+        lines = tables["tail RMS error [mrad]"]
+        assert lines[0] == ["arm", "controller", "sine raw", "slow 2 ms", "hold raw"]
+        assert lines[1:] == [["a", "x", "1", "lost", "–"], ["b", "x", "–", "–", "2"]]
+        swings = tables["largest swing of a joint at rest [mrad]"]
+        assert swings[0][2:] == ["hold raw"]
+        assert swings[2] == ["b", "x", "4"]
+        assert tables["arrival time [s]"][2][2] == "never"
+        ratios = tables["torque variation at rest over that without friction"]
+        assert ratios[2][2] == "1.5"
+        assert "overshoot [mrad]" not in tables
+
+    def test_turned_it_has_a_line_per_case(self):
+        lines = turned(matrices(self.ROWS)["tail RMS error [mrad]"])
+        assert lines[0] == ["scenario", "a", "b"]
+        assert lines[2] == ["slow 2 ms", "lost", "–"]
+
+    def test_markdown_shows_each_metric_that_there_is(self):
+        text = markdown(self.ROWS)
+        assert text.count("## ") == 4
+        assert "| a | x | 1 | lost | – |" in text
+
+    def test_against_a_twin_that_was_lost_there_is_no_ratio(self):
+        assert replace(self.ROWS[2], variation_without_friction=None).friction_ratio is None
+
+
 class TestRandomScenarios:
+    def test_every_number_lies_in_its_range(self):
+        arm = fp.load_arm("panda")
+        drawn = [random_scenario(arm, seed) for seed in range(12)]
+        assert {scenario.name for scenario in drawn} == {"sine", "moves", "hold"}
+        for scenario in drawn:
+            np.testing.assert_allclose(scenario.arm.armature, arm.effort_limit / 200)
+            divisors = arm.effort_limit / scenario.true.armature
+            assert (divisors > 49.9).all()
+            assert (divisors < 800.1).all()
+            assert np.ptp(divisors) > 0.0
+            assert (scenario.true.stiction >= 1.0).all()
+            assert (scenario.true.stiction <= 1.5).all()
+            assert scenario.course.judged == (2.0, 4.0)
+
     def test_a_seed_gives_its_scenario_again(self):
         arm = fp.load_arm("panda")
         first, second = random_scenario(arm, 5), random_scenario(arm, 5)

@@ -62,6 +62,59 @@ def test_whatever_changes_the_outcome_changes_the_identity(loop):
     assert len({loop.identity, *(other.identity for other in others)}) == 6
 
 
+def test_an_edited_urdf_is_another_arm(tmp_path):
+    file = tmp_path / "own.urdf"
+    file.write_text(fp.load_arm("two_link").urdf)
+    before = fp.ClosedLoop(arm=str(file)).identity
+    file.write_text(fp.load_arm("two_link_true").urdf)
+    assert fp.ClosedLoop(arm=str(file)).identity != before
+
+
+def test_the_law_is_the_robust_one_where_none_is_named():
+    assert fp.ClosedLoop(arm="two_link").controller == "RobustFONFTSM"
+
+
+@pytest.mark.parametrize(
+    ("parameters", "says"),
+    [
+        ({"grid": {"gains.kp": [100.0], "gains.kz": [1.0]}}, "kz"),
+        ({"grid": {"gains.kp": [100.0, -1.0]}}, "kp"),
+        ({"draws": {"gains.kd": fp.Uniform(-5.0, 5.0)}}, "kd"),
+        ({"draws": {"masscale": fp.Uniform(0.9, 1.1)}}, "did you mean mass_scale"),
+        ({"draws": {"mass_scale": fp.Uniform(-1.0, 1.1)}}, "mass_scale"),
+        ({"draws": {"payload": [0.0, 1.0, -1.0]}}, "payload"),
+        ({"grid": {"controller": ["ComputedTorque", "PID"]}}, "controller"),
+        ({"grid": {"preset": ["pd", "best"]}}, "preset"),
+        ({"grid": {"integrator": ["rk5"]}}, "integrator"),
+        ({"grid": {"duration": [0.1, 0.0]}}, "duration"),
+        ({"grid": {"friction": [{"nobody": 1.0}]}}, "nobody"),
+    ],
+)
+def test_a_study_checks_every_name_and_value_before_its_first_run(loop, tmp_path, parameters, says):
+    store = tmp_path / "study.sqlite"
+    with pytest.raises(ArgumentError, match=says):
+        fp.study(loop, jobs=1, store=store, **parameters)
+    assert not store.exists()
+
+
+def test_a_check_of_ones_own_is_asked_for_every_point_and_end():
+    asked = []
+
+    class Run:
+        identity = "one's own"
+
+        def check(self, parameters):
+            asked.append(parameters)
+
+        def __call__(self, parameters, seed):
+            return {"x": parameters["x"]}
+
+    draws = {"y": fp.Uniform(0.0, 1.0), "z": [5, 6, 7]}
+    fp.study(Run(), grid={"x": [1, 2]}, draws=draws, repeats=2, jobs=1)
+    assert {(p["x"], p["y"]) for p in asked} == {(x, y) for x in (1, 2) for y in (0.0, 1.0)}
+    assert {p["z"] for p in asked} == {5, 6, 7}
+
+
 def test_the_example_file_describes_a_thousand_panda_runs():
     run, arguments = read_study(EXAMPLE)
     assert (run.arm, run.duration) == ("panda", 3.0)

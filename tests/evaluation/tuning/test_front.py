@@ -92,3 +92,33 @@ def test_another_search_is_not_mixed_in(tmp_path):
         tune(ComputedTorque, trade_off, path, start=START, trials=4, objective="rms_error")
     with pytest.raises(ArgumentError, match="objective"):
         tune(ComputedTorque, trade_off, path, start=START, objective="beauty")
+
+
+ABOUT = {"arm": "panda", "content of the URDF (digest)": "ab12", "duration [s]": 6.0}
+
+
+@pytest.mark.parametrize(
+    ("changed", "says"),
+    [
+        ({"about": ABOUT | {"arm": "ur5"}}, "its arm is panda, not ur5"),
+        (
+            {"about": ABOUT | {"content of the URDF (digest)": "cd34"}},
+            "digest\\) is ab12, not cd34",
+        ),
+        ({"about": ABOUT | {"duration [s]": 3.0}}, "its duration \\[s\\] is 6.0, not 3.0"),
+        ({"about": {}}, "its arm is panda, not given"),
+        ({"seed": 1}, "its seed is 0, not 1"),
+        ({"largest_torque": 50.0}, "its largest_torque is None, not 50.0"),
+        ({"start": START | {"kp": 200.0}}, "starts from another kp"),
+        ({"objective": "rms_error"}, "its objective is tail_rms_error, not rms_error"),
+    ],
+)
+def test_a_search_is_known_by_its_arm_and_every_option(tmp_path, changed, says):
+    path = tmp_path / "search.log"
+    same = {"start": START, "about": ABOUT}
+    tune(ComputedTorque, trade_off, path, trials=2, **same)
+    ran = []
+    with pytest.raises(ArgumentError, match=says):
+        tune(ComputedTorque, ran.append, path, trials=4, **(same | changed))
+    assert not ran
+    assert tune(ComputedTorque, trade_off, path, trials=3, **same)

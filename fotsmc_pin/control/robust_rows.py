@@ -1,0 +1,102 @@
+"""The rows of `RobustFONFTSM`: what lives on from tick to tick, and what a tick fills."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from fotsmc_pin.types import Array
+
+
+class State(NamedTuple):
+    """What lives on from tick to tick.
+
+    Attributes:
+        z: second integral, in place of the sign [rad s^-(3-α)].
+        e_dot_a: speed error `ė_a` that was commanded [rad/s].
+        y: commanded acceleration below `ω_f` [rad/s²].
+        last_v: velocity of the last tick [rad/s].
+        d: disturbance that the momentum observer sees [N·m].
+        mean_d: lasting part of it [N·m].
+        delta: floor `δ` under the inertia [kg·m²].
+        rest: `ρ`, 1 where the reference rests.
+        last_e_dot: speed error of the last tick [rad/s].
+        J: rotor inertia that was found [kg·m²].
+        c: torque that keeps the sum continuous while `J` moves [N·m].
+        ticks: how many there were.
+        smooth_e: smoothed error [rad].
+        smooth_u: smoothed command [rad/s²].
+        last_e: smoothed error when the joint last moved [rad].
+        last_u: smoothed command when it last moved or stuck [rad/s²].
+        stuck_e: error at which it last stuck [rad].
+        slips: slips past the goal since the reference came to rest.
+        allowed: error that may be left beyond `NEAR`, where friction makes it hunt [rad].
+        kept: `κ`, 1 where the error has been negligible since the reference came to rest.
+        held: `h`, 1 where friction holds the joint near its goal.
+        a_1: first stage of the band-pass of the acceleration [rad/s²].
+        a_2: second stage.
+        a_3: third stage.
+        tau_1: first stage of the band-pass of the unexplained torque [N·m].
+        tau_2: second stage.
+        tau_3: third stage.
+        aa: recent mean of the squared acceleration in the band.
+        tt: recent mean of the squared torque in the band.
+        ta: recent mean of their product.
+        swings: changes of sign in the present oscillation.
+        last_moved: acceleration in the band at the last tick [rad/s²].
+        lacking: torque that the model leaves unexplained over the last tick [N·m].
+        a_e: acceleration beyond the reference's over the last tick [rad/s²].
+    """
+
+    z: Array
+    e_dot_a: Array
+    y: Array
+    last_v: Array
+    d: Array
+    mean_d: Array
+    delta: Array
+    rest: Array
+    last_e_dot: Array
+    J: Array
+    c: Array
+    ticks: Array
+    smooth_e: Array
+    smooth_u: Array
+    last_e: Array
+    last_u: Array
+    stuck_e: Array
+    slips: Array
+    allowed: Array
+    kept: Array
+    held: Array
+    a_1: Array
+    a_2: Array
+    a_3: Array
+    tau_1: Array
+    tau_2: Array
+    tau_3: Array
+    aa: Array
+    tt: Array
+    ta: Array
+    swings: Array
+    last_moved: Array
+    lacking: Array
+    a_e: Array
+
+
+class Work(NamedTuple):
+    """What one tick fills.
+
+    Attributes:
+        S: sliding variable [rad s^-(1+α)].
+        w: integrand of the fractional integral.
+        a: commanded acceleration [rad/s²].
+        u: acceleration that is asked for, with what is missing [rad/s²].
+        excess: torque beside `M0 u`; then what was cut off [N·m].
+    """
+
+    S: Array
+    w: Array
+    a: Array
+    u: Array
+    excess: Array

@@ -1,0 +1,102 @@
+"""Inertia that the model lacks, found from the oscillation that its lack causes.
+
+A geared joint carries its motor's rotor, which no URDF states: the true inertia of a wrist may be a
+thousand times the nominal one. A loop that multiplies its command with the nominal inertia bears a
+certain ratio; beyond it oscillates, and the oscillation tells what is missing: the torque that the
+model leaves unexplained is the missing inertia times the acceleration. So where a joint oscillates
+for a while, its inertia is raised towards what explains it, and no further than until it is quiet.
+A joint that does not oscillate keeps the inertia of its model, whatever friction or load it meets.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from fotsmc_pin.compiled import kernel
+
+if TYPE_CHECKING:
+    from fotsmc_pin.arms import Arm
+    from fotsmc_pin.control.robust_rows import State
+    from fotsmc_pin.control.rows import Joints
+    from fotsmc_pin.types import Array
+
+LARGEST_SHARE = 1.0 / 40.0
+"""Largest rotor per effort limit [s²/rad]: geared arms have 1/400 to 1/50 of it."""
+UPPER_BAND, LOWER_BAND = 60.0, 8.0
+"""Band in which oscillation is looked for [rad/s]: above the arm's motion, below the noise."""
+FORGETTING = 4.0
+"""Rate at which an oscillation is forgotten [1/s]."""
+OSCILLATION = 0.3
+"""RMS acceleration from which on a joint oscillates [rad/s²]."""
+LIKENESS = 0.7
+"""Correlation of torque and acceleration from which on inertia is what joins them."""
+SWINGS = 4
+"""Changes of sign that make an oscillation: a transient has fewer."""
+RISE, FALL = 0.8, 20.0
+"""Rates at which missing inertia is made up, and at which surplus is taken away [1/s].
+
+Slowly up: the loop is quiet long before all that is missing is found, and what is found at one pose
+(of a payload) is not there at another. Fast down: too much oscillates at the rate of the ticks.
+"""
+FAR = 0.2
+"""Error at which a joint counts as on its way: what its pose there asks for is not learnt [rad]."""
+
+
+def largest_rotor(arm: Arm) -> Array:
+    """Return the most that is ever found at a joint, (nv,) [kg·m²]; infinite without a limit."""
+    limit: Array = arm.effort_limit * LARGEST_SHARE
+    return limit
+
+
+@kernel(is_part=True)
+def search_rotor(dt: float, x: Joints, largest: Array, m: State) -> None:
+    """Move the rotor inertias `J` (nv,) [kg·m²] by one tick.
+
+    The torque that the model with `J` leaves unexplained and the acceleration beyond the
+    reference's pass the same band-pass. With means over the last quarter of a second, what is
+    missing is `⟨τ a⟩ / ⟨a²⟩`, the least-squares estimate; after `SWINGS` of an oscillation
+
+        J̇ = 0.8 ⟨τ a⟩ / ⟨a²⟩ upward, 20 ⟨τ a⟩ / ⟨a²⟩ downward,   0 ≤ J ≤ largest.
+
+    Dry friction is in quadrature with the acceleration of an oscillation, and gravity changes
+    slowly: neither biases the estimate, and too much of either spoils the correlation, so that
+    nothing is learnt.
+
+    Args:
+        dt: time since the last tick [s].
+        x: rows of the joints, for the error.
+        largest: bound of `J` (nv,).
+        m: the law's state.
+    """
+    up = UPPER_BAND * dt / (1.0 + UPPER_BAND * dt)
+    down = LOWER_BAND * dt / (1.0 + LOWER_BAND * dt)
+    forgetting = FORGETTING * dt / (1.0 + FORGETTING * dt)
+    for i in range(x.e.size):
+        m.a_1[i] += up * (m.a_e[i] - m.a_1[i])
+        m.a_2[i] += up * (m.a_1[i] - m.a_2[i])
+        m.a_3[i] += down * (m.a_2[i] - m.a_3[i])
+        m.tau_1[i] += up * (m.lacking[i] - m.tau_1[i])
+        m.tau_2[i] += up * (m.tau_1[i] - m.tau_2[i])
+        m.tau_3[i] += down * (m.tau_2[i] - m.tau_3[i])
+        moved, torque = m.a_2[i] - m.a_3[i], m.tau_2[i] - m.tau_3[i]
+        m.aa[i] += forgetting * (moved * moved - m.aa[i])
+        m.tt[i] += forgetting * (torque * torque - m.tt[i])
+        m.ta[i] += forgetting * (torque * moved - m.ta[i])
+        aa, tt, ta = m.aa[i], m.tt[i], m.ta[i]
+        if aa > OSCILLATION**2 and abs(ta) > LIKENESS * math.sqrt(aa * tt):
+            if moved * m.last_moved[i] < 0.0:
+                m.swings[i] += 1.0
+            if m.swings[i] > SWINGS:
+                pace = RISE / (1.0 + (x.e[i] / FAR) ** 2) if ta > 0.0 else FALL
+                found = min(max(m.J[i] + min(pace * dt, 1.0) * ta / aa, 0.0), largest[i])
+                more, m.J[i] = found - m.J[i], found
+                # What is explained from now on was never lacking.
+                m.tau_1[i] -= more * m.a_1[i]
+                m.tau_2[i] -= more * m.a_2[i]
+                m.tau_3[i] -= more * m.a_3[i]
+                m.tt[i] += more * (more * aa - 2.0 * ta)
+                m.ta[i] -= more * aa
+        else:
+            m.swings[i] = 0.0
+        m.last_moved[i] = moved

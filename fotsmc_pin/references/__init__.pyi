@@ -1,0 +1,12 @@
+from .cartesian_line import CartesianLine as CartesianLine
+from .hold import Hold as Hold
+from .limits import (
+    ReferenceWarning as ReferenceWarning,
+    broken_limits as broken_limits,
+    warn_of_limits as warn_of_limits,
+)
+from .minimum_jerk import MinimumJerk as MinimumJerk
+from .path import JointPath as JointPath
+from .quintic import Quintic as Quintic
+from .sinusoid import Sinusoid as Sinusoid
+from .spline import Spline as Spline

@@ -1,0 +1,61 @@
+"""The command line as its users run it: in a process of its own, in an empty folder."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture
+def fotsmc(tmp_path):
+    """Run `fotsmc` with these words in `tmp_path`; the environment may be widened."""
+
+    def call(*words, timeout=240, preexec_fn=None, **environment):
+        return subprocess.run(
+            command(words),
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            timeout=timeout,
+            check=False,
+            env=environ(**environment),
+            preexec_fn=preexec_fn,
+        )
+
+    return call
+
+
+@pytest.fixture
+def started(tmp_path):
+    """Start `fotsmc` in a session of its own, and see to it that nothing of it stays."""
+    processes = []
+
+    def start(*words):
+        process = subprocess.Popen(
+            command(words),
+            cwd=tmp_path,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            start_new_session=True,
+            env=environ(),
+        )
+        processes.append(process)
+        return process
+
+    yield start
+    for process in processes:
+        process.kill()
+        process.communicate()
+
+
+def command(words):
+    return [sys.executable, "-m", "fotsmc_pin", *map(str, words)]
+
+
+def environ(**more):
+    return os.environ | {"PYTHONPATH": str(ROOT), "COLUMNS": "80"} | more

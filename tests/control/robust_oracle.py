@@ -1,0 +1,139 @@
+"""`RobustFONFTSM` written once more, in plain numpy and streaming operators, one idea a method."""
+
+import numpy as np
+
+from fotsmc_pin.fractional import FractionalDerivative, FractionalIntegral
+
+DT = 1e-3
+ZERO_AT_THE_START = (
+    *("z", "y", "d", "mean_d", "delta", "rest", "J", "c", "e_smooth", "u_smooth", "e_moved"),
+    *("u_moved", "e_stuck", "slips", "allowed", "kept", "held"),
+    *("swings", "moved", "aa", "tt", "ta"),
+)
+
+
+def sig(x, power):
+    return np.abs(x) ** power * np.sign(x)
+
+
+def low_pass(x, target, rate):
+    """Implicit Euler of `ẋ = rate (target - x)`."""
+    return (x + rate * DT * target) / (1.0 + rate * DT)
+
+
+class RobustOracle:
+    """The law as its docstring states it; call it with one tick's terms, get the torque."""
+
+    def __init__(self, g, n):
+        factor = g.bandwidth * min(1.0, 1.44e-3 / DT)
+        surface = factor ** (1.0 + g.alpha)
+        self.g = g
+        self.A, self.lam, self.theta = g.A * surface, g.lam * surface, g.theta * factor
+        self.b, self.phi = g.integral * factor ** (3.0 + g.alpha), g.boundary_layer * surface
+        self.K, self.floor_rate = g.observer * factor, g.floor_rate * factor
+        options = {"order": g.alpha, "dt": DT, "tempering": g.tempering * factor}
+        self.derivative = FractionalDerivative(**options).stream(n)
+        self.integral = FractionalIntegral(**options).stream(n)
+        names = (
+            "z y d mean_d delta rest J c e_smooth u_smooth e_moved u_moved e_stuck slips allowed"
+        )
+        for name in f"{names} kept held swings moved aa tt ta".split():
+            setattr(self, name, np.zeros(n))
+        self.e_dot_a = None
+        self.a_band, self.tau_band = np.zeros((3, n)), np.zeros((3, n))
+
+    def __call__(self, x):
+        if self.e_dot_a is None:
+            self.e_dot_a = x.e_dot.copy()
+        else:
+            self.look_back(x)
+        self.last_v, self.last_e_dot = x.v, x.e_dot
+        still = np.exp(-((x.v_d / 0.02) ** 2) - (x.a_d / 0.2) ** 2)
+        self.rest = low_pass(self.rest, still, 10.0)
+        S, w = self.reach(x)
+        a = x.a_d - self.integral.update(w)
+        u = a + self.K * (self.e_dot_a - x.e_dot)
+        self.y = low_pass(self.y, u, self.floor_rate)
+        self.tau = x.inverse_dynamics(u) + self.J * u + self.delta * self.y + self.c
+        self.watch(x, u)
+        idle = self.rest * (1.0 - self.kept)
+        bounded = (S / self.phi) / (1.0 + (S / self.phi) ** 2)
+        self.z = self.z + DT * ((1.0 - idle) * self.b * bounded - 5.0 * idle * self.z)
+        self.e_dot_a = self.e_dot_a + DT * (1.0 - self.rest * self.held) * (a - x.a_d)
+        return self.tau
+
+    def reach(self, x):
+        """The surface and the integrand of the fractional integral."""
+        g = self.g
+        bend = 1.0 / np.sqrt(1.0 + (x.e / g.reach) ** 2)
+        near = bend * x.e
+        S = self.derivative.update(x.e_dot) + self.A * near + self.lam * sig(near, g.power)
+        slope = self.A + self.lam * g.power * np.abs(near) ** (g.power - 1.0)
+        return S, self.theta * (S + sig(S, g.mu)) + slope * bend**3 * x.e_dot + self.z
+
+    def look_back(self, x):
+        """What the last tick did: disturbance, floor, rotors."""
+        g, accelerated = self.g, (x.v - self.last_v) / DT
+        inertia = x.M0 + np.diag(self.J)
+        lacking = self.tau - inertia @ accelerated - x.h0
+        self.d = low_pass(self.d, -lacking, 15.0)
+        far = (x.e / 0.02) ** 2
+        self.mean_d = self.mean_d + DT * (1.0 + 15.0 * far / (1.0 + far)) * (self.d - self.mean_d)
+        met = np.maximum(np.abs(self.d - self.mean_d) - 0.05 * np.diag(x.M0), 0.0)
+        target = np.minimum(g.floor_share * met, g.floor_limit)
+        rate = np.where(target > self.delta, 3.0 / (1.0 + far), 0.15)
+        self.delta = self.delta + DT * rate * (target - self.delta)
+        before = self.J.copy()
+        self.search(x.e, lacking, (x.e_dot - self.last_e_dot) / DT)
+        self.c = self.c - (self.J - before) * self.y
+
+    def search(self, e, lacking, acceleration):
+        """Inertia from oscillation: least squares of torque on acceleration in a band."""
+        for band, value in ((self.a_band, acceleration), (self.tau_band, lacking)):
+            band[0] = low_pass(band[0], value, 60.0)
+            band[1] = low_pass(band[1], band[0], 60.0)
+            band[2] = low_pass(band[2], band[1], 8.0)
+        moved, torque = self.a_band[1] - self.a_band[2], self.tau_band[1] - self.tau_band[2]
+        self.aa = low_pass(self.aa, moved * moved, 4.0)
+        self.tt = low_pass(self.tt, torque * torque, 4.0)
+        self.ta = low_pass(self.ta, torque * moved, 4.0)
+        alike = np.abs(self.ta) > 0.7 * np.sqrt(self.aa * self.tt)
+        oscillates = (self.aa > 0.3**2) & alike
+        turned = moved * self.moved < 0.0
+        self.swings = np.where(oscillates, self.swings + turned, 0.0)
+        for i in np.flatnonzero(oscillates & (self.swings > 4)):
+            pace = 0.8 / (1.0 + (e[i] / 0.2) ** 2) if self.ta[i] > 0.0 else 20.0
+            wanted = self.J[i] + pace * DT * self.ta[i] / self.aa[i]
+            more = np.clip(wanted, 0.0, self.g.rotor_limit[i]) - self.J[i]
+            self.J[i] += more
+            self.tau_band[:, i] -= more * self.a_band[:, i]
+            self.tt[i] += more * (more * self.aa[i] - 2.0 * self.ta[i])
+            self.ta[i] -= more * self.aa[i]
+        self.moved = moved
+
+    def watch(self, x, u):
+        """Joints that friction holds near their goal, and those that have been exact all along."""
+        self.e_smooth = low_pass(self.e_smooth, x.e, 20.0)
+        self.u_smooth = low_pass(self.u_smooth, u, 20.0)
+        for i in range(u.size):
+            moving = self.rest[i] < 0.5
+            if moving:
+                self.e_stuck[i] = self.slips[i] = self.allowed[i] = 0.0
+            self.kept[i] = 1.0 if moving else self.kept[i] * (abs(x.e[i]) <= 1e-5)
+            if moving or abs(self.e_smooth[i] - self.e_moved[i]) > 3e-5:
+                self.e_moved[i], self.u_moved[i], self.held[i] = (
+                    self.e_smooth[i],
+                    self.u_smooth[i],
+                    0,
+                )
+            elif not self.held[i] and abs(self.u_smooth[i] - self.u_moved[i]) > 0.5:
+                self.sticks(i)
+
+    def sticks(self, i):
+        error, before = self.e_smooth[i], self.e_stuck[i]
+        if error * before < 0.0:
+            self.slips[i] += 1
+            if self.slips[i] >= 8:
+                self.allowed[i] = min(1.1 * min(abs(error), abs(before)), 2e-3)
+        self.e_stuck[i], self.u_moved[i] = error, self.u_smooth[i]
+        self.held[i] = abs(error) < max(1.5e-4, self.allowed[i])
