@@ -51,8 +51,7 @@ class Framing:
 
     def extent(self, axis: Array) -> tuple[float, float]:
         """Return the ends of what the run sweeps along a horizontal axis through the base [m]."""
-        corners = [np.where(choice, self.high, self.low) for choice in np.ndindex(2, 2, 2)]
-        along = np.array(corners) @ axis
+        along = self.outline @ axis
         return float(along.min()), float(along.max())
 
 

@@ -41,13 +41,15 @@ def study_words(study: StudyResult) -> str:
 
 
 def stress_words(rows: Sequence[Mapping[str, Any]]) -> str:
-    """Return how many runs a stress suite has, of how many laws and arms, and how many diverged."""
+    """Return how many runs a stress suite has, of what, and how many of them diverged."""
     laws, arms = ({row.get(key) for row in rows} for key in ("controller", "arm"))
+    scenarios = {row.get("scenario") for row in rows}
+    several = f" in {counted(len(scenarios), 'scenario')}" if len(scenarios) > 1 else ""
     lost = sum(bool(row.get("diverged")) for row in rows)
     diverged = f", {lost or 'none'} diverged"
     return (
         f"stress suite of {counted(len(rows), 'run')}: {counted(len(laws), 'controller')} on "
-        f"{counted(len(arms), 'arm')}{diverged}"
+        f"{counted(len(arms), 'arm')}{several}{diverged}"
     )
 
 
@@ -134,7 +136,9 @@ def stress_section(rows: Sequence[Mapping[str, Any]]) -> str:
     row = max(rows, key=lambda row: np.nan_to_num(_value(row, JUDGED), nan=np.inf, posinf=np.inf))
     error = _value(row, JUDGED)
     seed = f", seed {row['seed']}" if "seed" in row else ""
-    words = f"{row.get('controller')} on {row.get('arm')}{seed}"
+    case = " ".join(str(row[key]) for key in ("scenario", "variant") if row.get(key))
+    scenario = f", scenario {case}" if case else ""
+    words = f"{row.get('controller')} on {row.get('arm')}{scenario}{seed}"
     outcome = (
         "it diverged"
         if row.get("diverged")

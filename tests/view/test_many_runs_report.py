@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 import fotsmc_pin as fp
 from fotsmc_pin.cli import app
-from fotsmc_pin.evaluation.stress.table import StressRow, markdown
+from fotsmc_pin.evaluation.stress import StressRow, markdown
 from fotsmc_pin.evaluation.studies.result import Row
 from fotsmc_pin.evaluation.studies.store import Store
 from fotsmc_pin.files import write_json
@@ -76,7 +76,7 @@ def stress_folder(tmp_path):
     rows = [
         StressRow(arm="panda", controller="Calm", tail_rms_error=1e-3, diverged=False),
         StressRow(arm="ur5", controller="Calm", tail_rms_error=2e-3, diverged=False),
-        StressRow(arm="ur5", controller="Wild"),
+        StressRow(arm="ur5", controller="Wild", scenario="hold"),
     ]
     folder = tmp_path / "stress"
     write_json(folder / "stress.json", {"rows": [row.as_dict() for row in rows]})
@@ -86,9 +86,10 @@ def stress_folder(tmp_path):
 
 def test_a_stress_suite_is_counted_and_its_worst_run_named(stress_folder, text_of):
     text = text_of(write_report(stress_folder).read_text("utf-8"))
-    assert "stress suite of 3 runs: 2 controllers on 2 arms, 1 diverged" in text
-    assert re.search(r"The worst run: Wild on ur5: it diverged", text)
-    assert "tail RMS [mrad]" in text
+    assert "stress suite of 3 runs: 2 controllers on 2 arms in 2 scenarios, 1 diverged" in text
+    assert re.search(r"The worst run: Wild on ur5, scenario hold raw: it diverged", text)
+    table = text[text.index("The worst run") :]
+    assert [table.count(name) for name in ("Calm", "Wild")] >= [2, 2]
 
 
 def test_a_search_of_gains_shows_its_front(tmp_path, text_of):
