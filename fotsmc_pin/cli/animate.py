@@ -22,7 +22,7 @@ def animate(
     from fotsmc_pin.view import export_html
 
     page = result_file(out or run.with_suffix(".html"), force=force)
-    export_html(Recording.load(run), page)
+    export_html(Recording.load(run), page, progress=True)
     plain_console().print(f"Open {page} in a browser.")
     if open_page:
         webbrowser.open(page.resolve().as_uri())

@@ -54,12 +54,12 @@ def keep_results(rec: Recording, told: Told, folder: Path) -> Path:
         "max_tail_tool_error": float(tool.max()),
     }
     kinds = {unit: part.as_dict() for unit, part in by_unit.items()} if len(by_unit) > 1 else {}
-    rec.save(folder / "run.npz")
+    rec.save(folder / "run.npz", progress=True)
     metrics = summary.as_dict() | at_tool
     write_json(folder / "metrics.json", metrics | ({"by_unit": kinds} if kinds else {}))
     plot(rec, folder / "run.png")
     page = folder / f"{file_name(told.nominal.name)}.html"
-    export_html(rec, page)
+    export_html(rec, page, progress=True)
     rows = [*_run_rows(rec, told), *_metric_rows(rec, by_unit)]
     rows.append(
         (

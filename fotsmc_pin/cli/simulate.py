@@ -130,14 +130,14 @@ def simulate(
     try:
         rec = simulated()
     except DivergenceError as error:
-        error.recording.save(folder / "run.npz")
+        error.recording.save(folder / "run.npz", progress=True)
         say_error(f"{error}. The run up to there is kept in {folder / 'run.npz'}")
         raise typer.Exit(2) from None
     except RunInterrupted as stop:
         stopped = stop.recording
         if not len(stopped):
             raise
-        stopped.save(folder / "run.npz")
+        stopped.save(folder / "run.npz", progress=True)
         say_error(
             f"interrupted at t = {stopped.t[-1]:.4g} s; the run so far is kept in "
             f"{folder / 'run.npz'}"

@@ -118,6 +118,6 @@ def _keep_worst(run: ClosedLoop, row: Row, folder: Path) -> None:
     from fotsmc_pin.view import export_html, plot
 
     rec = run.record(row.parameters, row.seed)
-    rec.save(folder / "worst.npz")
+    rec.save(folder / "worst.npz", progress=True)
     plot(rec, folder / "worst")
-    export_html(rec, folder / "worst.html")
+    export_html(rec, folder / "worst.html", progress=True)
