@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 ROTORS = (400.0, 200.0, 100.0, 50.0)
 """Effort limits over rotor inertias that geared arms have [rad/s²]."""
 SIDES = ("motor", "link")
+SHARE = 0.8
+"""Share of the largest bandwidth that is proposed: on a whole arm springs shake each other."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -171,7 +173,7 @@ def _asked(nominal: Arm, true: str | None, rotors: bool, options: ArmOptions) ->
 def _verdict(loops: dict[str, Margins], asked: _Asked, nominal: Arm) -> str:
     """Say whether the loops bear what an arm asks for, and the remedy where they do not."""
     ratios = asked.ratios
-    told = f"{asked.words}: asks for {ratios.lowest:.2g} to {ratios.highest:.2g}"
+    told = f"{asked.words}: asks for {ratios.lowest:.3g} to {ratios.highest:.3g}"
     light = [name for name, found in loops.items() if ratios.lowest <= found.lowest]
     heavy = [name for name, found in loops.items() if ratios.highest >= found.highest]
     if not light and not heavy:
@@ -232,7 +234,7 @@ def _bandwidth_words(value: float | None, controller: Controller[Any]) -> str:
     words = f"stable up to a bandwidth of {value:.2g}"
     if given < value:
         return f"{words}; this one's {given:g} is inside."
-    return f"{words}: {given:g} is too fast, take --gain bandwidth={0.5 * value:.2g}."
+    return f"{words}: {given:g} is too fast, take --gain bandwidth={SHARE * value:.2g}."
 
 
 def _write(

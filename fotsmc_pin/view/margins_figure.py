@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 RATES, RATIOS = 600, 160
 LOWEST_RATE = 1.0
+BAR = 10.5
+"""Height at which the arm's own ratios are drawn, above the curves [1/s]."""
 
 
 def margins_figure(loops: Mapping[str, Margins], ratios: InertiaRatios | None = None) -> Figure:
@@ -88,17 +90,17 @@ def _finish_growth(panel: Axes, loops: Mapping[str, Margins], ratios: InertiaRat
     panel.set_title(f"stable from {lowest:.3g} to {highest:.3g}", fontsize=7, color=GREEN)
     if ratios is not None:
         ends = [ratios.lowest, ratios.highest]
-        panel.plot(ends, [6.0, 6.0], "|-", color=VERMILLION, markersize=7)
-        text = f"this arm: {ends[0]:.2g} to {ends[1]:.2g}"
+        panel.plot(ends, [BAR, BAR], "|-", color=VERMILLION, markersize=7)
+        text = f"this arm: {ends[0]:.3g} to {ends[1]:.3g}"
         middle = float(np.sqrt(ends[0] * ends[1]))
         panel.annotate(
             text,
-            (middle, 6.0),
+            (middle, BAR),
             (0, 4),
             textcoords="offset points",
             ha="center",
             fontsize=6.5,
             color=VERMILLION,
         )
-    panel.set(xscale="log", xlim=_span(loops, ratios), ylim=(-16.0, 10.0))
+    panel.set(xscale="log", xlim=_span(loops, ratios), ylim=(-16.0, 14.0))
     panel.set(xlabel="true over nominal inertia $m$ [–]", ylabel="growth of the slowest mode [1/s]")

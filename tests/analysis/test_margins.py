@@ -6,6 +6,7 @@ import pytest
 import fotsmc_pin as fp
 from fotsmc_pin.analysis import inertia_ratios, largest_bandwidth, margins
 from fotsmc_pin.analysis.linearization import linearize
+from fotsmc_pin.control.conditions import TickWarning
 from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.references import Hold
 from fotsmc_pin.simulation import NoisySensor, TickDelay, simulate
@@ -124,7 +125,8 @@ class TestForm:
             margins(fp.TDEFONTSM(fp.load_arm("two_link"), DT))
 
     def test_an_unstable_loop_is_refused(self):
-        law = fp.ComputedTorque(fp.load_arm("two_link"), DT, kd=3000.0)
+        with pytest.warns(TickWarning):
+            law = fp.ComputedTorque(fp.load_arm("two_link"), DT, kd=3000.0)
         with pytest.raises(ArgumentError, match="unstable"):
             margins(law)
 
