@@ -1,7 +1,11 @@
 """Analysis: metrics of a run, and what theory predicts for a law."""
 
 from fotsmc_pin.analysis.bounds import reaching_time_bound, settling_time_bound
-from fotsmc_pin.analysis.elastic_bandwidth import largest_bandwidth
+from fotsmc_pin.analysis.elastic_bandwidth import (
+    BandwidthWarning,
+    largest_bandwidth,
+    warn_of_soft_joints,
+)
 from fotsmc_pin.analysis.inertia_ratios import InertiaRatios, inertia_ratios
 from fotsmc_pin.analysis.margins import Margins, margins
 from fotsmc_pin.analysis.metrics import (
@@ -17,6 +21,7 @@ from fotsmc_pin.analysis.tool import tool_errors
 from fotsmc_pin.control.conditions import obeys_power_condition
 
 __all__ = [
+    "BandwidthWarning",
     "InertiaRatios",
     "Margins",
     "Summary",
@@ -37,4 +42,5 @@ __all__ = [
     "time_to_rest",
     "tool_errors",
     "units",
+    "warn_of_soft_joints",
 ]

@@ -23,6 +23,8 @@ PROBE_RATE = 20.0
 PROBE_TICKS = 400
 COUPLED = 1e-6
 """Response of another joint, relative to a joint's own, from which on a law counts as coupled."""
+ALIKE_TICKS, ALIKE = 60, 1e-3
+"""Ticks over which two joints must answer the same error alike, and by how much they may differ."""
 CONNECTED = 1e-9
 """Scaled response below which one state does not depend on another."""
 
@@ -58,6 +60,7 @@ class _Tick:
         ]
         self._kept = self.memory()
         self._rest = np.zeros(self.arm.nv)
+        self._neutral = np.array(self.arm.neutral)  # Compiled calls are slow on a read-only array.
 
     def memory(self) -> Array:
         return np.concatenate([part.ravel() for part in self._parts])
@@ -74,8 +77,8 @@ class _Tick:
     def __call__(self, memory: Array, e: Array, ed: Array) -> tuple[Array, Array]:
         """Return the memory after a tick and the commanded acceleration `M0⁻¹ (τ - h0)`."""
         self.restore(memory)
-        q = self.arm.integrate(self.arm.neutral, e)
-        tau = self.controller.update(q, ed, self.arm.neutral, self._rest, self._rest)
+        q = self.arm.integrate(self._neutral, e)
+        tau = self.controller.update(q, ed, self._neutral, self._rest, self._rest)
         h0 = self.arm.inverse_dynamics(q, ed, self._rest)
         u = np.linalg.solve(self.arm.mass_matrix(q), tau - h0).astype(np.float64)
         return self.memory(), u
@@ -110,9 +113,46 @@ def linearize(
             memory, _ = tick(memory, rest, rest)
         _demand_form(tick, memory)
         wanted = range(controller.arm.nv) if joints is None else joints
-        return tuple(_joint(tick, memory, j, amplitude) for j in wanted)
+        found: dict[int, LinearLaw] = {}
+        answers, laws = _answers(tick, memory, amplitude), []
+        for j in wanted:
+            # Joints with the same gains have the same law: one of them is run.
+            like = next((k for k in found if _alike(answers[:, k], answers[:, j])), j)
+            if like == j:
+                found[j] = _joint(tick, memory, j, amplitude)
+            else:
+                _demand_uncoupled(tick, memory, j, amplitude)
+            laws.append(found[like])
+        return tuple(laws)
     finally:
         tick.put_back()
+
+
+def _answers(tick: _Tick, memory: Array, amplitude: float) -> Array:
+    """Commanded accelerations while all joints have one and the same small error, (ticks, nv)."""
+    answers, all_joints = [], np.ones(tick.arm.nv)
+    for k in range(ALIKE_TICKS):
+        phase = PROBE_RATE * k * tick.controller.dt
+        e, ed = amplitude * np.sin(phase), amplitude * PROBE_RATE * np.cos(phase)
+        memory, u = tick(memory, e * all_joints, ed * all_joints)
+        answers.append(u)
+    return np.array(answers)
+
+
+def _alike(one: Array, other: Array) -> bool:
+    return bool(np.abs(one - other).max() <= ALIKE * np.abs(one).max())
+
+
+def _demand_uncoupled(tick: _Tick, memory: Array, joint: int, amplitude: float) -> None:
+    """Raise where an error of one joint accelerates another."""
+    unit = np.eye(tick.arm.nv)[joint]
+    for e, ed in ((amplitude, 0.0), (0.0, PROBE_RATE * amplitude)):
+        _, up = tick(memory, e * unit, ed * unit)
+        _, down = tick(memory, -e * unit, -ed * unit)
+        u = 0.5 * (up - down)
+        if np.abs(np.delete(u, joint)).max(initial=0.0) > COUPLED * np.abs(u).max():
+            remedy = "give a law in which each joint's acceleration follows from its own error"
+            raise ArgumentError("controller", type(tick.controller).__name__, remedy)
 
 
 def _demand_form(tick: _Tick, memory: Array) -> None:
@@ -147,12 +187,8 @@ def _joint(tick: _Tick, memory: Array, joint: int, amplitude: float) -> LinearLa
         return [int(k) for k in np.flatnonzero(np.abs(response) > CONNECTED)]
 
     quiet, speed = np.zeros_like(scale), PROBE_RATE * amplitude
+    _demand_uncoupled(tick, memory, joint, amplitude)
     inputs = [slopes(quiet, amplitude, 0.0), slopes(quiet, 0.0, speed)]
-    for _, u in inputs:
-        if np.abs(np.delete(u, joint)).max(initial=0.0) > COUPLED * np.abs(u).max():
-            remedy = "give a law in which each joint's acceleration follows from its own error"
-            raise ArgumentError("controller", type(tick.controller).__name__, remedy)
-
     columns: dict[int, tuple[Array, Array]] = {}
     waiting = sorted({k for response, _ in inputs for k in connected(response)})
     while waiting:

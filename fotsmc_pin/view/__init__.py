@@ -10,6 +10,7 @@ from fotsmc_pin.view.figures import (
     velocity_figure,
 )
 from fotsmc_pin.view.many_runs import distribution_figure, front_figure
+from fotsmc_pin.view.margins_figure import margins_figure
 from fotsmc_pin.view.plot import plot
 from fotsmc_pin.view.report import write_report
 from fotsmc_pin.view.style import new_figure, paper_style, save_figure
@@ -19,6 +20,7 @@ __all__ = [
     "distribution_figure",
     "export_html",
     "front_figure",
+    "margins_figure",
     "new_figure",
     "overview_figure",
     "paper_style",
