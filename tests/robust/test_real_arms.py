@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from fotsmc_pin.stress_suite.payloads import stress_payload
+from fotsmc_pin.evaluation.stress.payloads import stress_payload
 
 import fotsmc_pin as fp
 from fotsmc_pin.references import Hold, Sinusoid
