@@ -6,7 +6,7 @@ import pytest
 import fotsmc_pin as fp
 from fotsmc_pin.evaluation.stress.payloads import stress_payload
 from fotsmc_pin.references import Hold, Sinusoid
-from fotsmc_pin.simulation import NoisySensor, TickDelay, simulate
+from fotsmc_pin.simulation import Encoder, NoisySensor, TickDelay, simulate
 
 DT = 1e-3
 SLIDER = """<robot name="slider"><link name="base"/><link name="cart"><inertial><mass value="{}"/>
@@ -53,8 +53,22 @@ def arms(name, nominal=None, true=None):
     return fp.load_arm(name, **rotors), plant
 
 
-def run(name, make_reference, duration, *, nominal=None, true=None, start=0.2, **gains):
+def run(
+    name,
+    make_reference,
+    duration,
+    *,
+    nominal=None,
+    true=None,
+    start=0.2,
+    bits=None,
+    falling=False,
+    **gains,
+):
     arm, plant = arms(name, nominal, true)
+    if falling:
+        plant = fp.perturb(plant, stiction=1.5, stribeck_velocity=0.05)
+    noisy = NoisySensor(arm, position=1e-5, velocity=1e-3)
     reference = make_reference(arm)
     return simulate(
         plant,
@@ -63,7 +77,7 @@ def run(name, make_reference, duration, *, nominal=None, true=None, start=0.2, *
         duration,
         q0=arm.integrate(reference(0.0)[0], np.full(arm.nv, start)),
         v0=np.zeros(arm.nv),
-        sensor=NoisySensor(arm, position=1e-5, velocity=1e-3),
+        sensor=noisy if bits is None else Encoder(arm, DT, bits=bits),
         actuator=TickDelay(1),
         integrator="semi-implicit",
         substeps=2,
@@ -180,6 +194,21 @@ class TestRotors:
         for true in (400, 150):
             rec = run(name, Sinusoid.inside_limits, 6.0, nominal=200, true=true)
             assert rms(last(rec, 3.0)) < 3e-4
+
+
+@pytest.mark.parametrize("reference", [Sinusoid.inside_limits, hold])
+@pytest.mark.parametrize("name", ["panda", "kinova", "xarm7"])
+class TestSensorsAndFriction:
+    """The arms with the largest errors of the ten, with rotors."""
+
+    @pytest.mark.parametrize(("bits", "bound"), [(20, 1e-3), (17, 2e-3)])
+    def test_an_encoder_alone_is_enough(self, name, reference, bits, bound):
+        rec = run(name, reference, 6.0, nominal=200, true=150, bits=bits)
+        assert rms(last(rec, 3.0)) < bound
+
+    def test_friction_may_fall_with_speed(self, name, reference):
+        rec = run(name, reference, 6.0, nominal=200, true=150, falling=True)
+        assert rms(last(rec, 3.0)) < 1e-3
 
 
 class TestFarStart:
