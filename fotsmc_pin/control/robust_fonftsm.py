@@ -165,7 +165,9 @@ class RobustFONFTSM(Controller[RobustFONFTSMGains]):
             m.y[i] += share * (w.u[i] - m.y[i])
             w.excess[i] = h0[i] + m.c[i] + m.J[i] * w.u[i] + m.delta[i] * m.y[i]
         inverse_dynamics(M0, w.excess, w.u, x.effort_limit, x.tau, w.excess)
-        watch_standstill(dt, x, w.u, m)
+        for i in range(n):
+            w.push[i] = (x.tau[i] + w.excess[i] - h0[i]) / (M0[i, i] + m.J[i] + m.delta[i])
+        watch_standstill(dt, x, w.push, m)
 
         # What the actuator cannot follow does not enter the memories; nor what friction holds.
         for i in range(n):

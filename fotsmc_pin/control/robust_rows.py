@@ -93,6 +93,7 @@ class Work(NamedTuple):
         a: commanded acceleration [rad/s²].
         u: acceleration that is asked for, with what is missing [rad/s²].
         excess: torque beside `M0 u`; then what was cut off [N·m].
+        push: what the torque beside `C0 v + G0` would accelerate the joint with alone [rad/s²].
     """
 
     S: Array
@@ -100,3 +101,4 @@ class Work(NamedTuple):
     a: Array
     u: Array
     excess: Array
+    push: Array

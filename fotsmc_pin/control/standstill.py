@@ -52,7 +52,7 @@ def follow_rest(dt: float, x: Joints, rest: Array) -> None:
 
 
 @kernel(is_part=True)
-def watch_standstill(dt: float, x: Joints, u: Array, m: State) -> None:
+def watch_standstill(dt: float, x: Joints, push: Array, m: State) -> None:
     """Find the joints that stick (`held`), and those that have been exact all along (`kept`).
 
     A joint sticks while the command changes by more than `PUSHED` and it has not moved by `MOVED`:
@@ -64,13 +64,14 @@ def watch_standstill(dt: float, x: Joints, u: Array, m: State) -> None:
     Args:
         dt: time since the last tick [s].
         x: rows of the joints, for the error.
-        u: commanded acceleration, with all that is commanded as torque (nv,).
+        push: commanded torque beside `C0 v + G0`, over the joint's own inertia (nv,) [rad/s²]. Not
+            the commanded acceleration, which moves while an inertia that was added is taken away.
         m: the law's state.
     """
     share = SMOOTHING * dt / (1.0 + SMOOTHING * dt)
-    for i in range(u.size):
+    for i in range(push.size):
         m.smooth_e[i] += share * (x.e[i] - m.smooth_e[i])
-        m.smooth_u[i] += share * (u[i] - m.smooth_u[i])
+        m.smooth_u[i] += share * (push[i] - m.smooth_u[i])
         if m.rest[i] < 0.5:
             m.stuck_e[i] = m.slips[i] = m.allowed[i] = 0.0
             m.kept[i] = 1.0

@@ -55,7 +55,7 @@ class RobustOracle:
         u = a + self.K * (self.e_dot_a - x.e_dot)
         self.y = low_pass(self.y, u, self.floor_rate)
         self.tau = x.inverse_dynamics(u) + self.J * u + self.delta * self.y + self.c
-        self.watch(x, u)
+        self.watch(x, (self.tau - x.h0) / (np.diag(x.M0) + self.J + self.delta))
         idle = self.rest * (1.0 - self.kept)
         bounded = (S / self.phi) / (1.0 + (S / self.phi) ** 2)
         self.z = self.z + DT * ((1.0 - idle) * self.b * bounded - 5.0 * idle * self.z)
