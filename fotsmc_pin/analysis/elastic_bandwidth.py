@@ -44,8 +44,8 @@ def largest_bandwidth(
 
     Each joint is taken as Spong's two masses: `rotor` behind a spring, and the rest of the
     nominal inertia of that joint at the neutral configuration with the others at rest. That the
-    joints' springs shake each other is left out: simulated, a Panda and a UR5 rest at 0.8 of what is
-    returned on either side, and swing for ever at 1.1.
+    joints' springs shake each other is left out: in simulation, a Panda and a UR5 come to rest at
+    0.8 of what is returned on either side, and swing for ever at 1.1.
 
     Args:
         controller: a law with a gain `bandwidth`.
