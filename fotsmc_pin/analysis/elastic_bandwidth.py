@@ -112,7 +112,8 @@ def warn_of_soft_joints(
     if not stable:
         warn_user(
             f"{type(controller).__name__} is too fast for the springs of {true.name} with encoders "
-            f"on the {encoder} side; lower its rates (`bandwidth`), see fotsmc_pin.analysis.largest_bandwidth",
+            f"on the {encoder} side; lower its rates (`bandwidth`), see "
+            "fotsmc_pin.analysis.largest_bandwidth",
             BandwidthWarning,
         )
 

@@ -75,8 +75,8 @@ def _finish_nyquist(panel: Axes) -> None:
 
 def _span(loops: Mapping[str, Margins], arms: Mapping[str, InertiaRatios]) -> tuple[float, float]:
     """Ratios of inertia that are shown: all edges and the arms' own, with room beside them."""
-    low = min(found.lowest for found in (*loops.values(), *arms.values()))
-    highest = [found.highest for found in (*loops.values(), *arms.values())]
+    ranges: list[Margins | InertiaRatios] = [*loops.values(), *arms.values()]
+    low, highest = min(one.lowest for one in ranges), [one.highest for one in ranges]
     high = max([edge for edge in highest if edge < HEAVIEST], default=HEAVIEST)
     return max(0.5 * low, LIGHTEST), min(2.5 * max(high, 4.0), HEAVIEST)
 
