@@ -44,8 +44,8 @@ def largest_bandwidth(
 
     Each joint is taken as Spong's two masses: `rotor` behind a spring, and the rest of the
     nominal inertia of that joint at the neutral configuration with the others at rest. That the
-    joints' springs shake each other is left out: simulated, a Panda and a UR5 rest at 0.8 of what
-    is returned on either side, and swing for ever at 1.1.
+    joints' springs shake each other is left out: in simulation, a Panda and a UR5 come to rest at
+    0.8 of what is returned on either side, and swing for ever at 1.1.
 
     Args:
         controller: a law with a gain `bandwidth`.
@@ -80,10 +80,10 @@ def warn_of_soft_joints(
     """Warn before a run where a law is too fast for the springs of the true arm.
 
     One look at the linear loop of each elastic joint; `largest_bandwidth` says what it bears.
-    Silent for rigid arms.
+    Silent for rigid arms, and for laws whose loop `margins` cannot tell.
 
     Args:
-        controller: a law that `margins` accepts.
+        controller: the law.
         true: the arm that moves, with its `joint_stiffness` and its armature as rotors.
         encoder: "motor" or "link": the side that is measured.
         delay: ticks of delay.
@@ -105,10 +105,15 @@ def warn_of_soft_joints(
         true.joint_damping,
         encoder,
     )
-    if not _stable_on(controller, joints, delay):
+    try:
+        stable = _stable_on(controller, joints, delay)
+    except ArgumentError:  # a law of another form
+        return
+    if not stable:
         warn_user(
             f"{type(controller).__name__} is too fast for the springs of {true.name} with encoders "
-            f"on the {encoder} side; lower `bandwidth`, see fotsmc_pin.analysis.largest_bandwidth",
+            f"on the {encoder} side; lower its rates (`bandwidth`), see "
+            "fotsmc_pin.analysis.largest_bandwidth",
             BandwidthWarning,
         )
 

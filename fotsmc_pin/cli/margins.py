@@ -32,9 +32,10 @@ SHARE = 0.8
 
 @dataclass(frozen=True, kw_only=True)
 class _Asked:
-    """A true arm, in words, and the ratios that it asks for."""
+    """A true arm, in words and in a few of them, and the ratios that it asks for."""
 
     words: str
+    short: str
     ratios: InertiaRatios
 
 
@@ -156,7 +157,9 @@ def _asked(nominal: Arm, true: str | None, rotors: bool, options: ArmOptions) ->
     asked = []
     if true is not None:
         loaded = load_true_arm(true, nominal, options)
-        asked.append(_Asked(words=true, ratios=inertia_ratios(loaded, nominal)))
+        asked.append(
+            _Asked(words=true, short=Path(true).name, ratios=inertia_ratios(loaded, nominal))
+        )
     if rotors:
         for name, limit in zip(nominal.joint_names, nominal.effort_limit, strict=True):
             if not math.isfinite(limit):
@@ -166,7 +169,8 @@ def _asked(nominal: Arm, true: str | None, rotors: bool, options: ArmOptions) ->
         for over in ROTORS:
             real = perturb(nominal, armature=nominal.effort_limit / over)
             words = f"true rotors of effort limit / {over:g}"
-            asked.append(_Asked(words=words, ratios=inertia_ratios(real, nominal)))
+            short = f"rotors of limit / {over:g}"
+            asked.append(_Asked(words=words, short=short, ratios=inertia_ratios(real, nominal)))
     return asked
 
 
@@ -231,9 +235,11 @@ def _bandwidth_words(value: float | None, controller: Controller[Any]) -> str:
     if value is None:
         return "no bandwidth is stable."
     given = controller.gains.bandwidth
-    words = f"stable up to a bandwidth of {value:.2g}"
-    if given < value:
+    words = f"stable up to a bandwidth of {value:.3g}"
+    if given <= SHARE * value:
         return f"{words}; this one's {given:g} is inside."
+    if given < value:
+        return f"{words}: {given:g} is close, take --gain bandwidth={SHARE * value:.2g}."
     return f"{words}: {given:g} is too fast, take --gain bandwidth={SHARE * value:.2g}."
 
 
@@ -245,7 +251,6 @@ def _write(
 ) -> None:
     from fotsmc_pin.view import margins_figure, save_figure
 
-    worst = max((one.ratios for one in asked), key=lambda ratios: ratios.highest, default=None)
     folder.mkdir(parents=True, exist_ok=True)
     write_json(
         folder / "margins.json",
@@ -261,7 +266,9 @@ def _write(
             "largest_bandwidth": bandwidths,
         },
     )
-    save_figure(margins_figure(loops, worst), folder / "margins.png")
+    save_figure(
+        margins_figure(loops, {one.short: one.ratios for one in asked}), folder / "margins.png"
+    )
 
 
 def _plain(found: Margins) -> dict[str, Any]:
