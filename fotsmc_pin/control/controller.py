@@ -134,7 +134,7 @@ class Controller(SharesNothing, ABC, Generic[G]):
     def review(self) -> None:
         """Warn of what the arm or the gains make impossible; called once, when both stand."""
         warn_of_gravity(self.arm, self)
-        warn_of_slow_ticks(self.gains, self.dt, self)
+        warn_of_slow_ticks(self.effective_gains(), self.dt, self)
 
     def effective_gains(self) -> G:
         """Return the gains that the tick and the streams are made with; `gains` by default."""

@@ -179,6 +179,8 @@ class RobustFONFTSM(Controller[RobustFONFTSMGains]):
             rate = (1.0 - idle) * g.integral[i] * ratio / (1.0 + ratio * ratio)
             rate -= FADING * idle * m.z[i]
             m.z[i] = integrated(m.z[i], rate, dt, unfollowed)
-            followed = w.a[i] - x.a_d[i] - unfollowed / inertia
+            # No more than brings the command back to the limit, or fast loops swing up behind it.
+            share = min(1.0, 1.0 / max(g.observer[i] * dt, 1e-9))
+            followed = w.a[i] - x.a_d[i] - share * (unfollowed / inertia)
             m.e_dot_a[i] += dt * (1.0 - m.rest[i] * m.held[i]) * followed
         commit(integral, integral_memory, w.w, dt)

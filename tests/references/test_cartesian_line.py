@@ -69,5 +69,5 @@ def test_too_little_time_says_which_limit_breaks():
 
 def test_a_missing_package_says_how_to_get_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "pink", None)
-    with pytest.raises(MissingDependencyError, match=r"fotsmc_pin\[ik\]"):
+    with pytest.raises(MissingDependencyError, match="pip install pin-pink daqp"):
         CartesianLine.along(load_arm("panda"), [0.1, 0.0, 0.0])

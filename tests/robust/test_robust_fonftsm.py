@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import fotsmc_pin as fp
-from fotsmc_pin.control import RobustFONFTSM
+from fotsmc_pin.control import RobustFONFTSM, TickWarning
 from fotsmc_pin.control.inertia_floor import largest_floor
 from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.paper import two_link
@@ -119,6 +119,20 @@ class TestObservers:
             rec = simulate(arm, law, reference, 4.0, q0=start)
             overshoot.append(max(-rec.e[:, 0].min(), rec.e[:, 1].max()))
         assert overshoot[0] < 0.5 * overshoot[1]
+
+
+def test_a_loop_that_is_far_too_fast_saturates_and_stays_finite():
+    """The integrals behind the torque limits must not swing up, whatever the rates."""
+    arm = fp.load_arm("two_link")
+    with pytest.warns(TickWarning):
+        law = fp.RobustFONFTSM(arm, 1e-3, bandwidth=8.3, observer=330.0)
+    q_d, rest = arm.neutral, np.zeros(2)
+    for k in range(4000):
+        e = 0.5 * np.array([np.sin(0.9 * k), np.cos(0.7 * k)])
+        tau = law.update(arm.integrate(q_d, e), 20.0 * e, q_d, rest, rest)
+        assert np.isfinite(tau).all()
+    assert all(np.isfinite(row).all() for row in law.state)
+    assert np.abs(law.state.e_dot_a).max() < 1e3
 
 
 class TestGains:

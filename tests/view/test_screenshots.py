@@ -38,9 +38,10 @@ def _fields(rec):
 def take(page, path):
     page.run("fotsmc.pause(), fotsmc.seek(1.5)")
     page.page.wait_for_timeout(200)
-    page.page.screenshot(path=path)
+    page.page.screenshot(path=path, timeout=120_000.0)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("shade", ["light", "dark"])
 @pytest.mark.parametrize("screen", ["laptop", "phone"])
 def test_a_page(panda, open_page, output, screen, shade):
@@ -57,6 +58,7 @@ def test_a_page(panda, open_page, output, screen, shade):
     assert "moved panda_perturbed" in page.page.locator("details").first.inner_text()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("layout", ["overlay", "auto"])
 def test_four_runs(four_runs, open_page, output, layout):
     file = fp.export_html(four_runs, output / f"four-{layout}.html", play=False, layout=layout)
@@ -111,6 +113,7 @@ def test_an_arm_with_a_prismatic_joint_has_a_plot_for_each_unit(gantry, open_pag
     assert cells[1].endswith(" N")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("shade", ["light", "dark"])
 @pytest.mark.parametrize("screen", ["laptop", "phone"])
 def test_a_report(panda, gantry, chromium, output, tmp_path, screen, shade):
