@@ -6,8 +6,9 @@ import math
 from typing import TYPE_CHECKING, ClassVar, Unpack
 
 from fotsmc_pin.compiled import kernel
+from fotsmc_pin.control.arguments import LARGEST
 from fotsmc_pin.control.controller import Controller, SignalRows, Streams
-from fotsmc_pin.control.functions import sig
+from fotsmc_pin.control.functions import clip, sig
 from fotsmc_pin.control.inertia_floor import OBSERVER_RATE, raise_floor
 from fotsmc_pin.control.momentum_observer import smooth, unexplained
 from fotsmc_pin.control.robust_gains import RobustFONFTSMGains, scaled
@@ -182,5 +183,6 @@ class RobustFONFTSM(Controller[RobustFONFTSMGains]):
             # No more than brings the command back to the limit, or fast loops swing up behind it.
             share = min(1.0, 1.0 / max(g.observer[i] * dt, 1e-9))
             followed = w.a[i] - x.a_d[i] - share * (unfollowed / inertia)
-            m.e_dot_a[i] += dt * (1.0 - m.rest[i] * m.held[i]) * followed
+            step = dt * (1.0 - m.rest[i] * m.held[i]) * followed
+            m.e_dot_a[i] = clip(m.e_dot_a[i] + step, LARGEST)
         commit(integral, integral_memory, w.w, dt)
