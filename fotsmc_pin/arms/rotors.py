@@ -13,6 +13,7 @@ import numpy as np
 
 from fotsmc_pin.arms.properties import read_properties
 from fotsmc_pin.errors import ArgumentError
+from fotsmc_pin.user_warnings import warn_user
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -49,6 +50,21 @@ def rotor_inertias(tree: UrdfTree, joint_names: Sequence[str]) -> dict[str, floa
             )
         found[name] = joint.effort_limit / LIMIT_OVER_ARMATURE
     return found
+
+
+class RotorWarning(UserWarning):
+    """An arm's model has joints without rotor inertia, which real geared joints have."""
+
+
+def warn_of_missing_rotors(arm: Arm) -> None:
+    """Warn where `rotor_remark` has something to say.
+
+    Warns:
+        RotorWarning: which joints lack a rotor, what that means and what to do.
+    """
+    remark = rotor_remark(arm)
+    if remark is not None:
+        warn_user(f"{arm.name}: {remark[0].lower()}{remark[1:]}", RotorWarning)
 
 
 def rotor_remark(arm: Arm) -> str | None:

@@ -86,6 +86,7 @@ def simulate(
     """Simulate a controller on an arm that differs from what the controller believes."""
     from fotsmc_pin import simulate as run
     from fotsmc_pin.analysis import warn_of_soft_joints
+    from fotsmc_pin.arms.rotors import warn_of_missing_rotors
     from fotsmc_pin.cli.run_disturbances import disturbance as disturbing
     from fotsmc_pin.cli.run_references import task as find_task
     from fotsmc_pin.cli.run_results import Told, keep_results
@@ -100,6 +101,7 @@ def simulate(
     disturbed = disturbing(disturbance, plant_arm, seconds)
     sensor, actuator = _sensor(nominal, noise, plant.seed), _actuator(delay)
     q0 = nominal.integrate(task.q_start, [start_error] * nominal.nv)
+    warn_of_missing_rotors(nominal)
     warn_of_limits(plant_arm, task.reference, seconds)
     warn_of_soft_joints(controller, plant_arm, encoder="motor", delay=delay)
     told = Told(

@@ -21,6 +21,14 @@ def test_a_quiet_run_warns_of_nothing(fotsmc):
     assert warnings_of(fotsmc(*words)) == []
 
 
+def test_a_model_without_rotors_is_named_with_the_remedy(fotsmc):
+    words = ("--duration", "0.2", "--out", "run")
+    (line,) = [line for line in warnings_of(fotsmc("simulate", "ur5", *words)) if "rotor" in line]
+    assert 'armature="rotors"' in line
+    helped = warnings_of(fotsmc("simulate", "ur5", "--armature", "rotors", *words, "--force"))
+    assert not any("rotor" in line for line in helped)
+
+
 def test_a_run_that_never_settles_says_so_with_its_joint(fotsmc):
     words = ("--controller", "ComputedTorque", "--payload", "8", "--duration", "2", "--out", "run")
     result = fotsmc("simulate", "panda", *words)
