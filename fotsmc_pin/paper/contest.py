@@ -23,7 +23,7 @@ import numpy as np
 from joblib import Parallel, delayed
 
 from fotsmc_pin.analysis import summarize
-from fotsmc_pin.control import CONTROLLERS, PaperConditionWarning
+from fotsmc_pin.control import CONTROLLERS, PaperConditionWarning, TickWarning
 from fotsmc_pin.errors import DivergenceError
 from fotsmc_pin.evaluation.tuning import Tuned, search_gains
 from fotsmc_pin.paper.cases import CASES
@@ -78,6 +78,7 @@ class Contestant:
         """Return the law on the case's nominal arm, with these gains."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", PaperConditionWarning)
+            warnings.simplefilter("ignore", TickWarning)  # A search goes to the edge.
             return CONTROLLERS[self.law](CASES[self.case].nominal(), 1e-3, **gains)
 
     def run(self, gains: Mapping[str, Any], duration: float | None = None) -> Recording:

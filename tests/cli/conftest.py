@@ -1,6 +1,7 @@
 """The command line as its users run it: in a process of its own, in an empty folder."""
 
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -29,6 +30,11 @@ def fotsmc(tmp_path):
     return call
 
 
+def heed_interrupts():
+    """Undo what a shell does to programs in its background: they ignore Ctrl-C."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 @pytest.fixture
 def started(tmp_path):
     """Start `fotsmc` in a session of its own, and see to it that nothing of it stays."""
@@ -37,6 +43,7 @@ def started(tmp_path):
     def start(*words):
         process = subprocess.Popen(
             command(words),
+            preexec_fn=heed_interrupts,
             cwd=tmp_path,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
