@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
@@ -101,14 +101,22 @@ class Work(NamedTuple):
     excess: Array
 
 
-def derivative(g: SurfaceGains, dt: float) -> FractionalDerivative:
+class OperatorGains(Protocol):
+    """What both operators of a surface are made from."""
+
+    alpha: float
+    tempering: float
+    memory_horizon: float
+
+
+def derivative(g: OperatorGains, dt: float) -> FractionalDerivative:
     """Return `D^{α,σ}`."""
     return FractionalDerivative(
         order=g.alpha, dt=dt, horizon=g.memory_horizon, tempering=g.tempering
     )
 
 
-def integral(g: SurfaceGains, dt: float) -> FractionalIntegral:
+def integral(g: OperatorGains, dt: float) -> FractionalIntegral:
     """Return `D^{-α,σ}`."""
     return FractionalIntegral(order=g.alpha, dt=dt, horizon=g.memory_horizon, tempering=g.tempering)
 

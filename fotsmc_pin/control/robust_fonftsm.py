@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, ClassVar, Unpack
 from fotsmc_pin.compiled import kernel
 from fotsmc_pin.control.arguments import LARGEST
 from fotsmc_pin.control.controller import Controller, SignalRows, Streams
+from fotsmc_pin.control.fractional_surface import derivative, integral
 from fotsmc_pin.control.functions import clip, sig
 from fotsmc_pin.control.inertia_floor import OBSERVER_RATE, raise_floor
 from fotsmc_pin.control.momentum_observer import smooth, unexplained
@@ -17,7 +18,6 @@ from fotsmc_pin.control.rotor_search import search_rotor
 from fotsmc_pin.control.rows import rows
 from fotsmc_pin.control.standstill import follow_rest, watch_standstill
 from fotsmc_pin.control.torque_limits import integrated, inverse_dynamics, unwound
-from fotsmc_pin.fractional import FractionalDerivative, FractionalIntegral
 from fotsmc_pin.fractional.advance import advance, commit, predict
 
 if TYPE_CHECKING:
@@ -27,18 +27,6 @@ if TYPE_CHECKING:
 
 FADING = 5.0
 """Rate at which the second integral is emptied where the reference rests [1/s]."""
-
-
-def derivative(g: RobustFONFTSMGains, dt: float) -> FractionalDerivative:
-    """Return `D^{α,σ}`."""
-    return FractionalDerivative(
-        order=g.alpha, dt=dt, horizon=g.memory_horizon, tempering=g.tempering
-    )
-
-
-def integral(g: RobustFONFTSMGains, dt: float) -> FractionalIntegral:
-    """Return `I^{α,σ}`."""
-    return FractionalIntegral(order=g.alpha, dt=dt, horizon=g.memory_horizon, tempering=g.tempering)
 
 
 class RobustFONFTSM(Controller[RobustFONFTSMGains]):
