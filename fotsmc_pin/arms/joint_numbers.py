@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -14,18 +15,18 @@ if TYPE_CHECKING:
     from fotsmc_pin.types import Array
 
 
-class JointNumbers:
+class JointNumbers(ABC):
     """Numbers per degree of freedom, in the order of `joint_names`, read from the tree once."""
 
     @property
+    @abstractmethod
     def tree(self) -> UrdfTree:
         """The URDF."""
-        raise NotImplementedError
 
     @property
+    @abstractmethod
     def joint_names(self) -> tuple[str, ...]:
         """Names of the moving joints."""
-        raise NotImplementedError
 
     @cached_property
     def position_units(self) -> tuple[str, ...]:
