@@ -18,6 +18,7 @@ from fotsmc_pin.control.arguments import cleaned_arguments, read_arguments
 from fotsmc_pin.control.conditions import warn_of_gravity, warn_of_slow_ticks
 from fotsmc_pin.control.declaration import check_declaration
 from fotsmc_pin.control.gains import Gains
+from fotsmc_pin.control.model_terms import ModelTerms
 from fotsmc_pin.control.rows import NoRows, new_table, rows, signal_views
 from fotsmc_pin.control.saved_state import restore, saved
 from fotsmc_pin.copying import SharesNothing
@@ -44,7 +45,7 @@ ROUNDNESS = 1e-3
 """How far the cosine and sine of a continuous joint may lie from the unit circle."""
 
 LINKED = {
-    *("_model", "_data", "_euclidean", "_q", "_q_d", "_v", "_tau"),
+    *("_terms", "_euclidean", "q", "_q_d", "_tau"),
     *("joints", "state", "_work", "_signals", "_arguments", "_code"),
 }
 """Attributes that only refer to a controller's arrays; no copy takes them along."""
@@ -80,6 +81,7 @@ class Controller(SharesNothing, ABC, Generic[G]):
         dt: nominal period of a tick [s].
         preset: name of the set of gains that was started from.
         gains: the gains in force, checked, one entry per joint where the law has it so.
+        q: live configuration that the last tick was given (nq,); for authors of laws.
         joints: live rows of what a tick brings and gives, by name; for authors of laws.
         state: live rows of `State`, by name; for authors of laws.
         memories: the running streams, by name; for authors of laws.
@@ -184,8 +186,7 @@ class Controller(SharesNothing, ABC, Generic[G]):
             shortest, longest = SHORTEST_TICK * self.dt, LONGEST_TICK * self.dt
             dt = checks.finite_number("dt", dt, at_least=shortest, at_most=longest)
         if self.uses_model:
-            pin.crba(self._model, self._data, self._q)
-            pin.nonLinearEffects(self._model, self._data, self._q, self._v)
+            self._terms.evaluate(self.q, self.joints)
         self._code(dt, *self._arguments)
         tau: Array = self._tau.copy()
         return tau
@@ -248,27 +249,33 @@ class Controller(SharesNothing, ABC, Generic[G]):
 
     def _link(self) -> None:
         """Make what only refers to the arrays: the named rows, Pinocchio's memory, the code."""
-        self._model, self._data = self.arm.model, self.arm.model.createData()
         self._euclidean = self.arm.is_euclidean
-        self._q, self._q_d = self._configurations
+        self.q, self._q_d = self._configurations
         named: tuple[Any, ...] = rows(self._table, self.Gains, self.State, self.Work)
         self.joints, _, self.state, self._work = named
-        self._v, self._tau = self.joints.v, self.joints.tau
+        self._tau = self.joints.tau
         self._signals = signal_views(
             self._table, self.Gains, self.State, self.Work, self.signal_rows
         )
-        # Live views on Pinocchio's results. M0 is symmetric: its transpose is itself, in C order.
+        self.use_terms(ModelTerms(self.arm.model))
+        q, v = self.q, self.joints.v
+        restricted(read_arguments, q, v, q, v, v, self._configurations, self._table)
+
+    def use_terms(self, terms: ModelTerms) -> None:
+        """Evaluate `M0` and `h0` by `terms` from now on, in place of the arm's own model.
+
+        For wrappers; a copy of the controller goes back to the arm's own.
+        """
+        self._terms = terms
         # Copies of the coefficients: a kernel is compiled once more for arrays that are read-only.
         streams = [(s.coefficients.copy(), s.memory) for s in self.memories.values()]
-        self._arguments = (self._table, self._data.M.T, self._data.nle, *chain(*streams))
+        self._arguments = (self._table, terms.M, terms.h, *chain(*streams))
         self._code = specialized(self.tick, self.dt, *self._arguments)
-        q, v = self._q, self._v
-        restricted(read_arguments, q, v, q, v, v, self._configurations, self._table)
 
     def _read_difference(self, q: ArrayLike, q_d: ArrayLike) -> None:
         """Read `e = q ⊖ q_d` of an arm with continuous joints, whose `q` are no plain vector."""
-        for name, value, found in (("q", q, self._q), ("q_d", q_d, self._q_d)):
-            if not pin.isNormalized(self._model, found, ROUNDNESS):
+        for name, value, found in (("q", q, self.q), ("q_d", q_d, self._q_d)):
+            if not pin.isNormalized(self.arm.model, found, ROUNDNESS):
                 remedy = "give the cosine and sine of each continuous joint"
                 raise MeasurementError(name, value, remedy)
-        self.joints.e[:] = pin.difference(self._model, self._q_d, self._q)
+        self.joints.e[:] = pin.difference(self.arm.model, self._q_d, self.q)

@@ -1,0 +1,214 @@
+"""The estimator of `ModelLearning`: a Kalman filter on low-passed torques, a piece per tick.
+
+The equation of motion is linear in the parameters `θ`:
+
+    τ = Y(q, v, v̇) θ
+
+Both sides are averaged over a window of four ticks, in which the acceleration is the change of
+speed over its duration, and low-passed at the same rate, so that no acceleration is measured and
+none is differentiated from noise. Each joint's row then is one measurement of `θ`.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+from fotsmc_pin.compiled import kernel
+from fotsmc_pin.learning.parameters import Beliefs
+
+if TYPE_CHECKING:
+    from fotsmc_pin.types import Array
+
+WINDOW = 4
+"""Ticks over which torque and speed are averaged; one of them evaluates the regressor, the others
+take in a third of the joints each."""
+RATE = 15.0
+"""Bandwidth of the low-pass on torques and regressor [rad/s]."""
+SIGN_WIDTH = 0.01
+"""Speed over which Coulomb friction changes sign [rad/s, m/s]."""
+STILL = 0.03
+"""Speed below which a joint may stick, so that its friction is anything up to a bound."""
+IDLE = 0.5
+"""Share of the recent time at rest from which on a joint's row says nothing."""
+DRIFT = 1e-3
+"""Variance that a parameter gains in a second of motion, over that beforehand."""
+NOISE_RATE = 1.0
+"""Rate at which the noise of a row is tracked [1/s]."""
+OUTLIER = 3.0
+"""Deviations of a row beyond which it counts for less."""
+
+
+class JointRows(NamedTuple):
+    """One number per joint, (nv,).
+
+    Attributes:
+        torque: integral of the torque that acted in the window [N·m·s].
+        travel: integral of the speed [rad].
+        last_speed: at the start of the window [rad/s].
+        mean_torque: over the last window [N·m].
+        mean_speed: over the last window [rad/s].
+        acceleration: change of speed over the last window [rad/s²].
+        filtered: low-passed torque [N·m].
+        idle: low-passed share of the time in which the joint may stick.
+        noise: variance of a row [N²·m²].
+        least_noise: the least that is believed.
+        unexplained: torque that the estimate did not predict [N·m].
+        learning: 1 where the row was taken in, 0 where it was idle.
+    """
+
+    torque: Array
+    travel: Array
+    last_speed: Array
+    mean_torque: Array
+    mean_speed: Array
+    acceleration: Array
+    filtered: Array
+    idle: Array
+    noise: Array
+    least_noise: Array
+    unexplained: Array
+    learning: Array
+
+
+@kernel(is_part=True)
+def collect(dt: float, tau: Array, v: Array, joints: JointRows) -> None:
+    """Add a tick with the torque `tau` (nv,) that acted and the speed `v` (nv,) after it."""
+    for j in range(v.size):
+        joints.torque[j] += dt * tau[j]
+        joints.travel[j] += dt * v[j]
+
+
+@kernel(is_part=True)
+def close_window(duration: float, v: Array, joints: JointRows) -> None:
+    """Turn the integrals over a window into means, and begin a new one."""
+    for j in range(v.size):
+        joints.mean_torque[j] = joints.torque[j] / duration
+        joints.mean_speed[j] = joints.travel[j] / duration
+        joints.acceleration[j] = (v[j] - joints.last_speed[j]) / duration
+        joints.torque[j] = joints.travel[j] = 0.0
+        joints.last_speed[j] = v[j]
+
+
+@kernel(is_part=True)
+def absorb(
+    duration: float,
+    regressor: Array,
+    bodies: Array,
+    tool: int,
+    joints: JointRows,
+    Y: Array,
+    stribeck_velocity: float,
+) -> None:
+    """Take the last window into the low-passed rows `Y` (nv, c) and torques.
+
+    The columns of a row are its links', four of the payload, and the joint's own.
+
+    Args:
+        duration: of the window [s].
+        regressor: Pinocchio's joint torque regressor (nv, 10 nv).
+        bodies: dynamic parameters of the nominal links, then those per unit of the payload's mass
+            and first moments at the tool (nv + 4, 10).
+        tool: index of the link that carries the tool.
+        joints: the joints' rows.
+        Y: overwritten.
+        stribeck_velocity: speed at which friction falls [rad/s].
+    """
+    n = joints.torque.size
+    share = 1.0 - math.exp(-RATE * duration)
+    for j in range(n):
+        v = joints.mean_speed[j]
+        for i in range(n + 4):
+            start = 10 * (i if i < n else tool)
+            y = 0.0
+            for k in range(10):
+                y += regressor[j, start + k] * bodies[i, k]
+            Y[j, i] += share * (y - Y[j, i])
+        sign = math.tanh(v / SIGN_WIDTH)
+        Y[j, n + 4] += share * (joints.acceleration[j] - Y[j, n + 4])
+        Y[j, n + 5] += share * (v - Y[j, n + 5])
+        Y[j, n + 6] += share * (sign - Y[j, n + 6])
+        if Y.shape[1] > n + 7:
+            more = sign * math.exp(-((v / stribeck_velocity) ** 2))
+            Y[j, n + 7] += share * (more - Y[j, n + 7])
+        joints.filtered[j] += share * (joints.mean_torque[j] - joints.filtered[j])
+        may_stick = math.exp(-((v / STILL) ** 2))
+        joints.idle[j] += share * (may_stick - joints.idle[j])
+
+
+@kernel(is_part=True)
+def place(j: int, c: int, n: int) -> int:
+    """Return which parameter stands in column `c` of the row of joint `j`."""
+    return c if c < n + 4 else n + 4 + (c - n - 4) * n + j
+
+
+@kernel(is_part=True)
+def take_row(
+    j: int, duration: float, joints: JointRows, Y: Array, b: Beliefs, P: Array, g: Array
+) -> None:
+    """Take the row of joint `j` into the estimate and its covariance `P` (p, p): a Kalman update.
+
+    Rows follow each other faster than the low-pass forgets, so their noise is alike: the variance
+    counts as often as there are rows in `1 / RATE`.
+    """
+    n, p, columns = joints.torque.size, b.estimate.size, Y.shape[1]
+    joints.learning[j] = 0.0
+    if joints.idle[j] > IDLE:
+        return
+    error = joints.filtered[j]
+    for c in range(columns):
+        error -= Y[j, c] * b.estimate[place(j, c, n)]
+    for i in range(p):
+        g[i] = 0.0
+        for c in range(columns):
+            g[i] += P[i, place(j, c, n)] * Y[j, c]
+    known = 0.0
+    for c in range(columns):
+        known += Y[j, c] * g[place(j, c, n)]
+    noise = joints.noise[j] * max(1.0, 1.0 / (RATE * duration))
+    total = max(noise + known, (error / OUTLIER) ** 2)
+    for i in range(p):
+        b.estimate[i] += g[i] * error / total
+    for i in range(p):
+        gain = g[i] / total
+        for k in range(i + 1):
+            P[i, k] -= gain * g[k]
+            P[k, i] = P[i, k]
+    left = error * (1.0 - known / total)
+    share = min(1.0, NOISE_RATE * duration)
+    joints.noise[j] += share * (left * left - joints.noise[j])
+    joints.noise[j] = max(joints.noise[j], joints.least_noise[j])
+    joints.unexplained[j] = error
+    joints.learning[j] = 1.0
+
+
+@kernel(is_part=True)
+def drift(duration: float, joints: JointRows, b: Beliefs, P: Array) -> None:
+    """Let the parameters of what moves become less certain, at most as at the start."""
+    n, p = joints.torque.size, b.estimate.size
+    moving = 0.0
+    for j in range(n):
+        moving += joints.learning[j] / n
+    for i in range(p):
+        active = moving if i < n + 4 else joints.learning[(i - n - 4) % n]
+        P[i, i] += DRIFT * duration * active * b.deviation[i] ** 2
+        most = b.deviation[i] ** 2
+        if P[i, i] > most:
+            factor = math.sqrt(most / P[i, i])
+            for k in range(p):
+                P[i, k] *= factor
+                P[k, i] *= factor
+
+
+@kernel(is_part=True)
+def keep_possible(b: Beliefs, P: Array) -> None:
+    """Move estimates that no arm has to their bound, and the others with them as `P` says."""
+    p = b.estimate.size
+    for i in range(p):
+        bound = min(max(b.estimate[i], b.lowest[i]), b.highest[i])
+        if bound != b.estimate[i] and P[i, i] > 0.0:
+            step = (bound - b.estimate[i]) / P[i, i]
+            for k in range(p):
+                b.estimate[k] += P[k, i] * step
+    for i in range(p):
+        b.estimate[i] = min(max(b.estimate[i], b.lowest[i]), b.highest[i])

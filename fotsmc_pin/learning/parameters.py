@@ -1,0 +1,147 @@
+"""What is learnt of an arm: the parameters in their order, and what is believed beforehand."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from fotsmc_pin import checks
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from fotsmc_pin.arms import Arm
+    from fotsmc_pin.types import Array
+
+LINKS = 0.3
+"""Standard deviation of a link's mass over its nominal one."""
+PAYLOAD = 0.15
+"""Standard deviation of the payload over the mass of the moving links."""
+OFFSET = 0.1
+"""Standard deviation of the payload's centre from the tool frame [m], at such a payload."""
+LIMIT_OVER_ARMATURE = 150.0
+"""Effort limit over the standard deviation of an armature [rad/s², m/s²]."""
+FRICTION, FULL_EFFORT = 0.5, 20.0
+"""Standard deviation of Coulomb [N·m] and viscous [N·m·s/rad] friction of a joint with at least
+this effort limit; of a weaker one in proportion less."""
+
+
+class Beliefs(NamedTuple):
+    """One number per parameter, (p,), for each of what is believed.
+
+    Attributes:
+        mean: expected beforehand.
+        deviation: standard deviation beforehand.
+        lowest: least that is possible.
+        highest: most that is possible.
+        nominal: what the nominal arm has.
+        estimate: learnt so far.
+        used: what the law is given.
+    """
+
+    mean: Array
+    deviation: Array
+    lowest: Array
+    highest: Array
+    nominal: Array
+    estimate: Array
+    used: Array
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Prior:
+    """What is believed of an arm before it moves, as standard deviations around its file's numbers.
+
+    Attributes:
+        links: of each link's mass and inertia over the nominal one, (nv,) or one number.
+        payload: of the payload at the tool [kg]; None for 0.15 of the mass of the moving links.
+        offset: of the payload's centre of mass from the tool frame [m].
+        armature: of the motor inertia, by joint [kg·m² or kg]; None for effort limit / 150.
+        damping: of viscous friction, by joint [N·m·s/rad or N·s/m]; None for 0.5, less below an
+            effort limit of 20 N·m, and at least what the arm's file says.
+        friction: of Coulomb friction, by joint [N·m or N]; None for the same in these units.
+        stribeck: of what friction at standstill exceeds Coulomb friction by, [N·m or N]; None
+            leaves it out.
+        stribeck_velocity: speed of its fall, by joint [rad/s or m/s].
+    """
+
+    links: ArrayLike = LINKS
+    payload: float | None = None
+    offset: float = OFFSET
+    armature: ArrayLike | None = None
+    damping: ArrayLike | None = None
+    friction: ArrayLike | None = None
+    stribeck: ArrayLike | None = None
+    stribeck_velocity: float = 0.05
+
+
+class Layout:
+    """The order of the parameters of an arm: `n` links, four of the payload, then each joint's own.
+
+    The own parameters of all joints follow kind by kind: armature, damping, friction, and what
+    friction at standstill is more, where that is learnt.
+
+    Attributes:
+        groups: place of each group of parameters, by name.
+        size: how many parameters there are.
+    """
+
+    def __init__(self, joints: int, *, stribeck: bool) -> None:
+        own = ("armature", "damping", "friction", *(("stribeck",) if stribeck else ()))
+        self.groups = {"link_scale": slice(0, joints), "payload": slice(joints, joints + 4)}
+        for k, name in enumerate(own):
+            start = joints + 4 + k * joints
+            self.groups[name] = slice(start, start + joints)
+        self.size = joints + 4 + len(own) * joints
+
+
+def first_beliefs(arm: Arm, prior: Prior, layout: Layout, size: Array) -> Array:
+    """Return the table of `Beliefs` before anything is learnt, (7, p).
+
+    Args:
+        arm: the nominal arm.
+        prior: the deviations.
+        layout: order of the parameters.
+        size: effort that each joint's drive is made for (nv,).
+    """
+    n = arm.nv
+
+    def given(name: str, default: Array) -> Array:
+        value = getattr(prior, name)
+        return default if value is None else checks.per_joint(name, value, n, at_least=0.0)
+
+    mass = sum(float(inertia.mass) for inertia in arm.model.inertias[1:])
+    payload = checks.finite_number(
+        "payload", PAYLOAD * mass if prior.payload is None else prior.payload, at_least=0.0
+    )
+    rubbing = FRICTION * np.minimum(1.0, size / FULL_EFFORT)
+    moment = np.full(3, payload * checks.finite_number("offset", prior.offset, at_least=0.0))
+    links = checks.per_joint("links", prior.links, n, at_least=0.0)
+    armature = given("armature", size / LIMIT_OVER_ARMATURE)
+    damping = given("damping", np.maximum(rubbing, arm.damping))
+    friction = given("friction", np.maximum(rubbing, arm.friction))
+    parts = {
+        "link_scale": (np.ones(n), links, np.full(n, 0.2), np.full(n, 5.0)),
+        "payload": (
+            np.zeros(4),
+            np.array([payload, *moment]),
+            np.array([0.0, *(-2.0 * moment)]),
+            np.array([6.0 * payload, *(2.0 * moment)]),
+        ),
+        "armature": (arm.armature, armature, np.zeros(n), arm.armature + 15.0 * armature),
+        "damping": (arm.damping, damping, np.zeros(n), arm.damping + 40.0 * damping),
+        "friction": (arm.friction, friction, np.zeros(n), arm.friction + 10.0 * friction),
+    }
+    if "stribeck" in layout.groups:
+        more = given("stribeck", friction)
+        parts["stribeck"] = (np.zeros(n), more, np.zeros(n), 4.0 * more)
+    table = np.zeros((len(Beliefs._fields), layout.size))
+    beliefs = Beliefs(*table)
+    for name, place in layout.groups.items():
+        mean, deviation, lowest, highest = parts[name]
+        beliefs.mean[place], beliefs.deviation[place] = mean, deviation
+        beliefs.lowest[place], beliefs.highest[place] = lowest, highest
+    beliefs.nominal[:] = beliefs.estimate[:] = beliefs.used[:] = beliefs.mean
+    return table
