@@ -160,20 +160,23 @@ def take_row(
         error -= Y[j, c] * b.estimate[place(j, c, n)]
     for i in range(p):
         g[i] = 0.0
-        for c in range(columns):
-            g[i] += P[i, place(j, c, n)] * Y[j, c]
+    for c in range(columns):
+        row, y = P[place(j, c, n)], Y[j, c]
+        for i in range(p):
+            g[i] += row[i] * y
     known = 0.0
     for c in range(columns):
         known += Y[j, c] * g[place(j, c, n)]
     noise = joints.noise[j] * max(1.0, 1.0 / (RATE * duration))
     total = max(noise + known, (error / OUTLIER) ** 2)
+    step, scale = error / total, 1.0 / math.sqrt(total)
     for i in range(p):
-        b.estimate[i] += g[i] * error / total
+        b.estimate[i] += g[i] * step
+        g[i] *= scale
     for i in range(p):
-        gain = g[i] / total
-        for k in range(i + 1):
-            P[i, k] -= gain * g[k]
-            P[k, i] = P[i, k]
+        gain, row = g[i], P[i]
+        for k in range(p):
+            row[k] -= gain * g[k]
     left = error * (1.0 - known / total)
     share = min(1.0, NOISE_RATE * duration)
     joints.noise[j] += share * (left * left - joints.noise[j])

@@ -114,8 +114,9 @@ class ModelLearning(SharesNothing):
         elif phase == MIDDLE:
             self._middle[:] = c.q
         self._code(self.dt if dt is None else dt, *self._arguments)
-        self._inertias[1 + k % tau.size] = pin.Inertia.FromDynamicParameters(self._dynamic)
-        self._armature[:] = self._rotors
+        if phase:
+            self._inertias[1 + (k - k // WINDOW) % tau.size] = pin.Inertia.FromDynamicParameters(self._dynamic)
+            self._armature[:] = self._rotors
         self._ticks = k + 1
         return tau
 

@@ -44,7 +44,7 @@ class Clock(NamedTuple):
     fall: float
 
 
-@kernel
+@kernel(rounds_freely=True)
 def learn(
     dt: float,
     tau: Array,
@@ -73,7 +73,7 @@ def learn(
         Y: low-passed rows (nv, c).
         regressor: Pinocchio's, of the last window; new at the first tick of each (nv, 10 nv).
         bodies: dynamic parameters per unit of each column (nv + 4, 10).
-        dynamic: overwritten with those of link `ticks % nv`; then, in its last row, scratch.
+        dynamic: overwritten with those of a link, another one in each tick but a window's first.
     """
     n, delay = v.size, sent.shape[0] - 1
     x = JointRows(
@@ -127,5 +127,6 @@ def learn(
         clock[2] = clock[1]
         clock[1] = 0.0
     trust(dt, n, clock[4], clock[5], b, P)
-    body(ticks % n, n, tool, bodies[n + 4], bodies, b.used, dynamic)
+    link = (ticks - ticks // WINDOW) % n  # None in the tick that evaluates the regressor.
+    body(link, n, tool, bodies[n + 4], bodies, b.used, dynamic)
     clock[0] += 1.0
