@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 LIGHTEST, HEAVIEST = 1e-3, 1e3
 """Ratios of inertia beyond which no edge is looked for."""
 RATES = 400
+AMPLITUDE = 1e-4
+"""Error at which slopes are taken [rad, m]."""
 ALIKE = 1e-4
 """Difference of two joints' laws, relative to the largest entry, that is one of rounding only."""
 
@@ -77,7 +79,7 @@ class Margins:
         return self.lowest < lowest and highest < self.highest
 
 
-def margins(controller: Controller, delay: int = 1, *, amplitude: float = 1e-4) -> Margins:
+def margins(controller: Controller, delay: int = 1, *, amplitude: float = AMPLITUDE) -> Margins:
     """Return what the loop of a law bears near its surface.
 
     A law that multiplies a commanded acceleration with the nominal mass matrix, `τ = M0 u + h0`,
@@ -108,10 +110,7 @@ def margins(controller: Controller, delay: int = 1, *, amplitude: float = 1e-4) 
     amplitude = checks.finite_number("amplitude", amplitude, above=0.0)
     laws = linearize(controller, amplitude)
     place, kinds = distinct(laws)
-    for law in kinds:
-        if not is_stable(law, Joint(), delay):
-            remedy = "its loop is unstable with the nominal inertia; lower its gains or the delay"
-            raise ArgumentError("controller", type(controller).__name__, remedy)
+    _demand_stable(controller, kinds, delay)
     dampings = [_damping(law, delay) for law in kinds]
     damping, rate = min(dampings)
     M0 = controller.arm.mass_matrix(controller.arm.neutral)
@@ -131,6 +130,26 @@ def margins(controller: Controller, delay: int = 1, *, amplitude: float = 1e-4) 
         velocity_noise=velocity,
         laws=laws,
     )
+
+
+def inertia_range(controller: Controller, delay: int = 1) -> tuple[float, float]:
+    """Return `lowest` and `highest` of `margins` alone, which takes a part of the time.
+
+    Raises:
+        ArgumentError: as `margins`.
+    """
+    _, kinds = distinct(linearize(controller, AMPLITUDE))
+    _demand_stable(controller, kinds, delay)
+    return (
+        max(_edge(law, delay, LIGHTEST) for law in kinds),
+        min(_edge(law, delay, HEAVIEST) for law in kinds),
+    )
+
+
+def _demand_stable(controller: Controller, laws: Sequence[LinearLaw], delay: int) -> None:
+    if not all(is_stable(law, Joint(), delay) for law in laws):
+        remedy = "its loop is unstable with the nominal inertia; lower its gains or the delay"
+        raise ArgumentError("controller", type(controller).__name__, remedy)
 
 
 def _edge(law: LinearLaw, delay: int, end: float) -> float:

@@ -72,6 +72,11 @@ def rows(table: Array, gains: type[G], state: type[S], work: type[W]) -> tuple[J
     return tuple(named)
 
 
+def named_rows(table: Array, kind: type[S]) -> S:
+    """Return the rows of any table as the `NamedTuple` `kind`, which has a name for each."""
+    return kind(*table)
+
+
 def new_table(gains: Gains, state: type, work: type, effort_limit: Array) -> Array:
     """Return the table of a law, with gains and effort limits filled in and all else zero."""
     n = effort_limit.size
@@ -151,4 +156,14 @@ def _compiled_rows(table, gains, state, work):  # type: ignore[no-untyped-def]
         start += len(vectors)
     source = f"def written_out(table, gains, state, work):\n    return {', '.join(groups)}"
     exec(source, scope)  # made of the names above alone
+    return scope["written_out"]
+
+
+@overload(named_rows)
+def _compiled_named_rows(table, kind):  # type: ignore[no-untyped-def]
+    """Write `named_rows` out for the given names."""
+    names = kind.instance_class
+    found = ", ".join(f"table[{k}]" for k in range(len(names._fields)))
+    scope: dict[str, Any] = {"Names": names}
+    exec(f"def written_out(table, kind):\n    return Names({found})", scope)
     return scope["written_out"]

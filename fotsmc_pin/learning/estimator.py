@@ -15,9 +15,9 @@ import math
 from typing import TYPE_CHECKING, NamedTuple
 
 from fotsmc_pin.compiled import kernel
-from fotsmc_pin.learning.parameters import Beliefs
 
 if TYPE_CHECKING:
+    from fotsmc_pin.learning.parameters import Beliefs
     from fotsmc_pin.types import Array
 
 WINDOW = 4
@@ -35,8 +35,11 @@ DRIFT = 1e-3
 """Variance that a parameter gains in a second of motion, over that beforehand."""
 NOISE_RATE = 1.0
 """Rate at which the noise of a row is tracked [1/s]."""
-OUTLIER = 3.0
-"""Deviations of a row beyond which it counts for less."""
+SURPRISE_RATE = 10.0
+"""Rate at which surprise is averaged [1/s]."""
+MOST_SURPRISE = 100.0
+SURPRISING = 9.0
+"""Squared error of a row over its variance, on average, from which on something has changed."""
 
 
 class JointRows(NamedTuple):
@@ -55,6 +58,7 @@ class JointRows(NamedTuple):
         least_noise: the least that is believed.
         unexplained: torque that the estimate did not predict [N·m].
         learning: 1 where the row was taken in, 0 where it was idle.
+        surprise: recent mean of the squared error over its variance.
     """
 
     torque: Array
@@ -69,6 +73,7 @@ class JointRows(NamedTuple):
     least_noise: Array
     unexplained: Array
     learning: Array
+    surprise: Array
 
 
 @kernel(is_part=True)
@@ -143,15 +148,13 @@ def place(j: int, c: int, n: int) -> int:
 
 
 @kernel(is_part=True)
-def take_row(
-    j: int, duration: float, joints: JointRows, Y: Array, b: Beliefs, P: Array, g: Array
-) -> None:
+def take_row(j: int, duration: float, joints: JointRows, Y: Array, b: Beliefs, P: Array) -> None:
     """Take the row of joint `j` into the estimate and its covariance `P` (p, p): a Kalman update.
 
     Rows follow each other faster than the low-pass forgets, so their noise is alike: the variance
     counts as often as there are rows in `1 / RATE`.
     """
-    n, p, columns = joints.torque.size, b.estimate.size, Y.shape[1]
+    n, p, columns, g = joints.torque.size, b.estimate.size, Y.shape[1], b.work
     joints.learning[j] = 0.0
     if joints.idle[j] > IDLE:
         return
@@ -167,8 +170,19 @@ def take_row(
     known = 0.0
     for c in range(columns):
         known += Y[j, c] * g[place(j, c, n)]
-    noise = joints.noise[j] * max(1.0, 1.0 / (RATE * duration))
-    total = max(noise + known, (error / OUTLIER) ** 2)
+    surprise = min(error * error / (joints.noise[j] + known), MOST_SURPRISE)
+    joints.surprise[j] += SURPRISE_RATE * duration * (surprise - joints.surprise[j])
+    repeated = joints.noise[j] * max(1.0, 1.0 / (RATE * duration))
+    total = repeated + known
+    left = error * repeated / total
+    joints.unexplained[j] = error
+    most = SURPRISING * joints.noise[j]  # One jump shall not make the row deaf.
+    share = min(1.0, NOISE_RATE * duration)
+    joints.noise[j] += share * (min(left * left, most) - joints.noise[j])
+    joints.noise[j] = max(joints.noise[j], joints.least_noise[j])
+    if surprise > SURPRISING:
+        joints.learning[j] = -1.0
+        return
     step, scale = error / total, 1.0 / math.sqrt(total)
     for i in range(p):
         b.estimate[i] += g[i] * step
@@ -177,11 +191,6 @@ def take_row(
         gain, row = g[i], P[i]
         for k in range(p):
             row[k] -= gain * g[k]
-    left = error * (1.0 - known / total)
-    share = min(1.0, NOISE_RATE * duration)
-    joints.noise[j] += share * (left * left - joints.noise[j])
-    joints.noise[j] = max(joints.noise[j], joints.least_noise[j])
-    joints.unexplained[j] = error
     joints.learning[j] = 1.0
 
 
@@ -191,9 +200,9 @@ def drift(duration: float, joints: JointRows, b: Beliefs, P: Array) -> None:
     n, p = joints.torque.size, b.estimate.size
     moving = 0.0
     for j in range(n):
-        moving += joints.learning[j] / n
+        moving += max(joints.learning[j], 0.0) / n
     for i in range(p):
-        active = moving if i < n + 4 else joints.learning[(i - n - 4) % n]
+        active = moving if i < n + 4 else max(joints.learning[(i - n - 4) % n], 0.0)
         P[i, i] += DRIFT * duration * active * b.deviation[i] ** 2
         most = b.deviation[i] ** 2
         if P[i, i] > most:

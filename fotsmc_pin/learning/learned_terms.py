@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
 import pinocchio as pin
 
 from fotsmc_pin.compiled import specialized
@@ -49,6 +50,9 @@ class LearnedTerms(ModelTerms):
         self._feeds, self._differs = feed_forward, feed_forward and not in_loop
         self._used, self._fall = used, fall
         self._add_friction = specialized(add_friction, used, used, fall, self.h)
+        self._bodies, self._armature = self.learned.inertias, self.learned.armature
+        n = nominal.nv
+        self._rotors = used[n + 4 : 2 * n + 4]
 
     def evaluate(self, q: Array, joints: Joints) -> None:
         """Write the terms at the configuration `q` (nq,) and the velocity of `joints`."""
@@ -59,3 +63,17 @@ class LearnedTerms(ModelTerms):
             ahead = (q, joints.v_d, joints.a_d)
             self.h += pin.rnea(self.learned, self._learned_data, *ahead)
             self.h -= pin.rnea(self._nominal, self._nominal_data, *ahead)
+
+    def friction(self, joints: Joints) -> Array:
+        """Return the friction that the wanted speed will meet, (nv,)."""
+        torque = np.zeros(joints.v_d.size)
+        self._add_friction(joints.v_d, self._used, self._fall, torque)
+        return torque
+
+    def write(self, link: int, dynamic: Array) -> None:
+        """Write ten dynamic parameters into a link of the learnt model."""
+        self._bodies[link + 1] = pin.Inertia.FromDynamicParameters(dynamic)
+
+    def write_rotors(self) -> None:
+        """Write the armature that is used into the learnt model."""
+        self._armature[:] = self._rotors

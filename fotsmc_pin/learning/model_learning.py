@@ -8,120 +8,292 @@ import numpy as np
 import pinocchio as pin
 
 from fotsmc_pin import checks
+from fotsmc_pin.analysis.margins import inertia_range
+from fotsmc_pin.arms.drive_size import drive_size
 from fotsmc_pin.compiled import specialized
+from fotsmc_pin.control.rows import named_rows
 from fotsmc_pin.control.saved_state import part, present, with_prefix
 from fotsmc_pin.copying import SharesNothing
+from fotsmc_pin.errors import ArgumentError
+from fotsmc_pin.learning.estimates import Estimates, learned_arm
 from fotsmc_pin.learning.estimator import WINDOW, JointRows
 from fotsmc_pin.learning.learned_terms import LearnedTerms
 from fotsmc_pin.learning.parameters import Beliefs, Layout, Prior, first_beliefs
-from fotsmc_pin.learning.tick import learn
+from fotsmc_pin.learning.tick import Whole, learn
+from fotsmc_pin.learning.tool import tool_link, unit_bodies
+from fotsmc_pin.learning.trust import body
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     from numpy.typing import ArrayLike
 
+    from fotsmc_pin.arms import Arm
     from fotsmc_pin.control import Controller
     from fotsmc_pin.types import Array
 
 MIDDLE = 1
 """Tick of a window whose configuration stands for it."""
+FIRST_NOISE, LEAST_NOISE = 3e-3, 3e-4
+"""Standard deviation of a row over the drive's size: believed at first, and the least."""
+SAFETY = 2.0
+"""Factor by which the learnt inertia stays inside of what the loop bears."""
+UNKNOWN_RANGE = (0.3, 3.0)
+"""Ratios of inertia that a loop without computable margins is trusted with."""
+
+MEMORY = ("_whole", "_sent", "_joints", "_beliefs", "_P", "_Y", "_middle", "_written")
+"""Arrays that live on from tick to tick."""
+LINKED = {"_a", "_x", "_b", "_terms", "_data", "_arguments", "_code", "_signals"}
+"""What only refers to the arrays; no copy takes it along."""
 
 
 class ModelLearning(SharesNothing):
-    def __init__(self, controller, *, prior=None, delay=1, feed_forward=True, in_loop=True, rng=(0.27,2.5), noise=3e-3, floor=3e-4):
+    """Wraps a controller: the model that it works with is learnt while the arm moves.
+
+    From measured position and velocity and the torque that acted, without an acceleration sensor, a
+    Kalman filter estimates what the nominal file may have wrong: a factor on each link, the
+    payload at the tool, and the armature, viscous and Coulomb friction of each joint. Friction is
+    fed forward at the reference; all else is the law's own model, `M0`, `C0` and `G0`. The law is
+    not changed.
+
+    It has the face of a controller and works with all of them. What it learns from, when it waits,
+    and how far a loop follows it is told in `fotsmc_pin.learning`.
+
+    Attributes:
+        controller: what is wrapped.
+        prior: what is believed beforehand.
+        delay: ticks from a torque to the drive.
+        bears: ratios of true to believed inertia that the loop is trusted with.
+
+    Signals: the controller's; "link_scale" (nv,), "payload" (4,), mass [kg] and first moments about
+    the tool frame [kg m], "armature", "damping", "friction" (nv,) and, where it is learnt,
+    "stribeck", each with its standard deviation, as in "payload_deviation"; "learning" (nv,), 1
+    where a joint teaches something, 0 where it rests, -1 where it contradicts what is known;
+    "unexplained" (nv,), torque that was not foreseen [N·m]; "changes" (1,), how often the payload
+    was found to be another.
+    """
+
+    _a: Whole
+    _x: JointRows
+    _b: Beliefs
+    _terms: LearnedTerms
+    _ticks: int
+    _data: pin.Data
+    _signals: dict[str, Array]
+    _arguments: tuple[Any, ...]
+    _code: Callable[..., None]
+
+    def __init__(
+        self,
+        controller: Controller,
+        *,
+        prior: Prior | None = None,
+        delay: int = 1,
+        feed_forward: bool = True,
+        in_loop: bool = True,
+        bears: tuple[float, float] | None = None,
+    ) -> None:
+        """Wrap a controller, and begin with what its arm's file says.
+
+        Args:
+            controller: any controller; from now on it belongs to the wrapper.
+            prior: what is believed beforehand; `Prior()` if None.
+            delay: ticks from a torque to the drive.
+            feed_forward: add the learnt friction to the torque, and where the model stays the
+                nominal one, what the learnt one would ask for besides.
+            in_loop: let the law work with the learnt model.
+            bears: ratios of true to believed inertia that the loop is trusted with; None for half
+                of what `fotsmc_pin.margins` finds on either side, or 0.3 to 3 where it finds none.
+
+        Raises:
+            ArgumentError: naming the argument, its value and the remedy.
+        """
         self.controller, self.arm, self.dt = controller, controller.arm, controller.dt
         self.prior = Prior() if prior is None else prior
         self.delay = checks.count("delay", delay, at_least=0)
-        self.feed_forward, self.in_loop = feed_forward, in_loop
-        arm, model = self.arm, self.arm.model
-        n = arm.nv
-        self.layout = Layout(n, stribeck=self.prior.stribeck is not None)
-        size = np.where(np.isfinite(arm.effort_limit), arm.effort_limit, 100.0)
-        self._size = size
-        self._first = np.vstack([first_beliefs(arm, self.prior, self.layout, size), np.zeros(self.layout.size)])
-        frame = model.frames[model.getFrameId(arm.tool_frame, pin.FrameType.BODY)]
-        p = frame.placement.translation
-        unit = lambda c: pin.Inertia(1.0, c, np.zeros((3, 3))).toDynamicParameters()
-        rows = [model.inertias[i].toDynamicParameters() for i in range(1, n + 1)]
-        rows.append(unit(p))
-        for k in range(3):
-            d = np.zeros(3); d[k] = 1.0
-            rows.append(0.5 * (unit(p + d) - unit(p - d)))
-        rows.append(np.concatenate([p, np.zeros(7)]))
-        self._bodies = np.array(rows)
-        self._settings = np.array([0.0, 0.0, 0.0, frame.parentJoint - 1, *rng, self.prior.stribeck_velocity])
-        self._noise=(noise*size)**2; self._floor=(floor*size)**2
-        c = n + 7 + (self.layout.size - 4 * n - 4) // n
-        self._clock = self._settings.copy()
+        self._feeds, self._in_loop = bool(feed_forward), bool(in_loop)
+        self.bears = _range(controller, self.delay) if bears is None else _checked_range(bears)
+        n = self.arm.nv
+        self._layout = Layout(n, stribeck=self.prior.stribeck is not None)
+        self._first = first_beliefs(self.arm, self.prior, self._layout)
+        self._drive = drive_size(self.arm)
+        self._bodies = unit_bodies(self.arm)
+        self._whole = np.zeros((len(Whole._fields), 1))
         self._sent = np.zeros((self.delay + 1, n))
-        self._joint_table = np.zeros((len(JointRows._fields), n))
-        self._belief_table = self._first.copy()
-        self._P = np.zeros((self.layout.size,) * 2)
-        self._Y = np.zeros((n, c))
-        self._middle = np.zeros(arm.nq)
-        self._dynamic = np.zeros(10)
+        self._joints = np.zeros((len(JointRows._fields), n))
+        self._beliefs = self._first.copy()
+        self._P = np.zeros((self._layout.size, self._layout.size))
+        self._Y = np.zeros((n, self._layout.columns))
+        self._middle = np.zeros(self.arm.nq)
+        self._written = np.zeros((n, 10))
+        self._written[:] = self._bodies[:n]
         self._link()
         self.reset()
 
-    def _link(self):
-        model = self.arm.model
-        self._b = Beliefs(*self._belief_table[:7])
-        self._x = JointRows(*self._joint_table)
-        self.terms = LearnedTerms(model, self._b.used, self._settings[6], feed_forward=self.feed_forward, in_loop=self.in_loop)
-        self.controller.use_terms(self.terms)
-        self._data = model.createData()
-        self._model = model
-        self._inertias = self.terms.learned.inertias
-        n = self.arm.nv
-        self._armature = self.terms.learned.armature
-        self._rotors = self._b.used[n + 4 : 2 * n + 4]
-        c = self.controller
-        self._reg = self._data.jointTorqueRegressor
-        self._arguments = (c.joints.tau, c.joints.v, self._clock, self._sent, self._joint_table, self._belief_table, self._P, self._Y, self._reg, self._bodies, self._dynamic)
-        self._code = specialized(learn, self.dt, *self._arguments)
+    @property
+    def gains(self) -> Any:
+        """The controller's gains."""
+        return self.controller.gains
 
-    def reset(self):
+    @property
+    def preset(self) -> str | None:
+        """The controller's preset."""
+        return self.controller.preset
+
+    @property
+    def signals(self) -> dict[str, Array]:
+        """Copies of the controller's signals and of what is learnt, by name."""
+        return {name: signal.copy() for name, signal in self.live_signals.items()}
+
+    @property
+    def live_signals(self) -> dict[str, Array]:
+        """The signals themselves, which every tick writes anew: for reading, by a recorder."""
+        return {**self.controller.live_signals, **self._signals}
+
+    def reset(self) -> None:
+        """Forget what was learnt, and begin anew."""
         self.controller.reset()
-        self._clock[:] = self._settings
-        self._sent[:] = 0
-        self._joint_table[:] = 0
-        self._x.idle[:] = 1.0
-        self._x.noise[:] = self._noise
-        self._x.least_noise[:] = self._floor
-        self._belief_table[:] = self._first
+        for name in MEMORY:
+            getattr(self, name)[:] = 0.0
+        self._beliefs[:] = self._first
         self._P[:] = np.diag(self._b.deviation**2)
-        self._Y[:] = 0
-        self._ticks = 0
+        self._x.idle[:] = 1.0
+        self._x.noise[:] = (FIRST_NOISE * self._drive) ** 2
+        self._x.least_noise[:] = (LEAST_NOISE * self._drive) ** 2
+        self._a.lowest[:], self._a.highest[:] = self.bears
+        self._a.fall[:], self._a.tool[:] = self.prior.stribeck_velocity, tool_link(self.arm)
+        n, tool = self.arm.nv, tool_link(self.arm)
+        for link, dynamic in enumerate(self._written):
+            body(link, n, tool, self._bodies[n + 4], self._bodies, self._b.used, dynamic)
         self._write_model()
 
-    def _write_model(self):
-        from fotsmc_pin.learning.trust import body
-        n=self.arm.nv
-        for i in range(n):
-            body(i, n, int(self._settings[3]), self._bodies[n+4], self._bodies, self._b.used, self._dynamic)
-            self._inertias[i+1] = pin.Inertia.FromDynamicParameters(self._dynamic)
-        self._armature[:] = self._rotors
+    def update(
+        self,
+        q: ArrayLike,
+        v: ArrayLike,
+        q_d: ArrayLike,
+        v_d: ArrayLike,
+        a_d: ArrayLike,
+        dt: float | None = None,
+    ) -> Array:
+        """Advance by one tick; arguments, result and errors are those of `Controller.update`.
 
-    def update(self, q, v, q_d, v_d, a_d, dt=None):
-        c = self.controller
-        tau = c.update(q, v, q_d, v_d, a_d, dt)
-        k = self._ticks
-        phase = k % WINDOW
+        The torque is the wrapped controller's, with the model of the tick before; then the tick is
+        learnt from. Of a measurement that is not usable nothing is learnt.
+        """
+        law, terms, x = self.controller, self._terms, self._x
+        tau = law.update(q, v, q_d, v_d, a_d, dt)
+        if not law.uses_model and self._feeds:
+            limit = law.joints.effort_limit
+            tau = np.clip(tau + terms.friction(law.joints), -limit, limit)
+        ticks = self._ticks
+        phase = ticks % WINDOW
         if phase == 0:
-            if k:
-                pin.computeJointTorqueRegressor(self._model, self._data, self._middle, self._x.mean_speed, self._x.acceleration)
+            if ticks:
+                middle = (self._middle, x.mean_speed, x.acceleration)
+                pin.computeJointTorqueRegressor(self.arm.model, self._data, *middle)
         elif phase == MIDDLE:
-            self._middle[:] = c.q
-        self._code(self.dt if dt is None else dt, *self._arguments)
+            self._middle[:] = law.q
+        self._code(self.dt if dt is None else dt, tau, *self._arguments)
         if phase:
-            self._inertias[1 + (k - k // WINDOW) % tau.size] = pin.Inertia.FromDynamicParameters(self._dynamic)
-            self._armature[:] = self._rotors
-        self._ticks = k + 1
+            link = (ticks - ticks // WINDOW) % len(tau)
+            terms.write(link, self._written[link])
+        terms.write_rotors()
+        self._ticks = ticks + 1
         return tau
 
-    @property
-    def gains(self): return self.controller.gains
-    @property
-    def signals(self):
-        return self.controller.signals | dict(theta=self._b.estimate.copy(), stds=np.sqrt(np.diag(self._P)), used=self._b.used.copy(), noise=np.sqrt(self._x.noise), learning=self._x.learning.copy(), unexplained=self._x.unexplained.copy())
+    def estimates(self) -> Estimates:
+        """Return what is known of the arm by now, as a table with standard deviations."""
+        return Estimates.of(self.arm, self._layout, self._b)
+
+    def learned_arm(self) -> Arm:
+        """Return the nominal arm with what was learnt written in, an `Arm` of its own.
+
+        What is not known better than beforehand stays as the file has it.
+        """
+        return learned_arm(self.arm, self.estimates())
+
+    def save_state(self) -> dict[str, Array]:
+        """Return everything that is remembered, the controller's memory included, as arrays."""
+        own = {name[1:]: getattr(self, name).copy() for name in MEMORY}
+        return own | with_prefix("controller", self.controller.save_state())
+
+    def restore_state(self, arrays: Mapping[str, ArrayLike]) -> None:
+        """Take over what `save_state` gave, and go on from there bit for bit.
+
+        Raises:
+            ArgumentError: an array is missing, of the wrong shape or not finite. The memory stays
+                as it was.
+        """
+        own = {
+            name: checks.finite_array(name[1:], present(arrays, name[1:]), memory.shape)
+            for name, memory in ((name, getattr(self, name)) for name in MEMORY)
+        }
+        self.controller.restore_state(part(arrays, "controller"))
+        for name, array in own.items():
+            getattr(self, name)[:] = array
+        self._link()
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what makes the wrapper, without the views and the code that `_link` makes."""
+        return {name: value for name, value in self.__dict__.items() if name not in LINKED}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._link()
+
+    def __repr__(self) -> str:
+        """Name what is wrapped."""
+        return f"ModelLearning({self.controller!r}, delay={self.delay})"
+
+    def _link(self) -> None:
+        """Make what only refers to the arrays: named rows, the model, the code."""
+        self._a = named_rows(self._whole, Whole)
+        self._x = named_rows(self._joints, JointRows)
+        self._b = named_rows(self._beliefs, Beliefs)
+        self._ticks = int(self._a.ticks[0])
+        model, law, b = self.arm.model, self.controller, self._b
+        self._data = model.createData()
+        self._terms = LearnedTerms(
+            model,
+            b.used,
+            self.prior.stribeck_velocity,
+            feed_forward=self._feeds,
+            in_loop=self._in_loop,
+        )
+        law.use_terms(self._terms)
+        groups = self._layout.groups.items()
+        self._signals = {name: b.estimate[place] for name, place in groups}
+        self._signals |= {f"{name}_deviation": b.sigma[place] for name, place in groups}
+        self._signals |= {
+            "learning": self._x.learning,
+            "unexplained": self._x.unexplained,
+            "changes": self._a.changes,
+        }
+        regressor = self._data.jointTorqueRegressor
+        memory = (self._whole, self._sent, self._joints, self._beliefs, self._P, self._Y)
+        self._arguments = (law.joints.v, *memory, regressor, self._bodies, self._written)
+        self._code = specialized(learn, self.dt, law.joints.tau, *self._arguments)
+        self._write_model()
+
+    def _write_model(self) -> None:
+        """Write all links at once into the learnt model, as at the start and for a copy."""
+        for link, dynamic in enumerate(self._written):
+            self._terms.write(link, dynamic)
+        self._terms.write_rotors()
+
+
+def _range(controller: Controller, delay: int) -> tuple[float, float]:
+    """Return half of what the loop bears on either side."""
+    try:
+        lowest, highest = inertia_range(controller, delay)
+    except ArgumentError:
+        return UNKNOWN_RANGE
+    return min(SAFETY * lowest, 1.0), max(highest / SAFETY, 1.0)
+
+
+def _checked_range(bears: tuple[float, float]) -> tuple[float, float]:
+    lowest, highest = checks.finite_vector("bears", bears, 2).tolist()
+    if not 0.0 < lowest <= 1.0 <= highest:
+        raise ArgumentError("bears", bears, "give a ratio of at most 1 and one of at least 1")
+    return lowest, highest

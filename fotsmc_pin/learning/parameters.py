@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from fotsmc_pin import checks
+from fotsmc_pin.arms.drive_size import drive_size
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -38,7 +39,9 @@ class Beliefs(NamedTuple):
         highest: most that is possible.
         nominal: what the nominal arm has.
         estimate: learnt so far.
+        sigma: its standard deviation.
         used: what the law is given.
+        work: scratch of the update.
     """
 
     mean: Array
@@ -47,7 +50,9 @@ class Beliefs(NamedTuple):
     highest: Array
     nominal: Array
     estimate: Array
+    sigma: Array
     used: Array
+    work: Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -85,7 +90,8 @@ class Layout:
 
     Attributes:
         groups: place of each group of parameters, by name.
-        size: how many parameters there are.
+        size: how many parameters there are, `p`.
+        columns: how many of them a joint's row knows, `c`.
     """
 
     def __init__(self, joints: int, *, stribeck: bool) -> None:
@@ -94,19 +100,17 @@ class Layout:
         for k, name in enumerate(own):
             start = joints + 4 + k * joints
             self.groups[name] = slice(start, start + joints)
+        self.columns = joints + 4 + len(own)
         self.size = joints + 4 + len(own) * joints
 
 
-def first_beliefs(arm: Arm, prior: Prior, layout: Layout, size: Array) -> Array:
-    """Return the table of `Beliefs` before anything is learnt, (7, p).
+def first_beliefs(arm: Arm, prior: Prior, layout: Layout) -> Array:
+    """Return the table of `Beliefs` before anything is learnt, (9, p).
 
-    Args:
-        arm: the nominal arm.
-        prior: the deviations.
-        layout: order of the parameters.
-        size: effort that each joint's drive is made for (nv,).
+    Raises:
+        ArgumentError: a deviation below zero or of the wrong shape.
     """
-    n = arm.nv
+    n, size = arm.nv, drive_size(arm)
 
     def given(name: str, default: Array) -> Array:
         value = getattr(prior, name)
@@ -143,5 +147,7 @@ def first_beliefs(arm: Arm, prior: Prior, layout: Layout, size: Array) -> Array:
         mean, deviation, lowest, highest = parts[name]
         beliefs.mean[place], beliefs.deviation[place] = mean, deviation
         beliefs.lowest[place], beliefs.highest[place] = lowest, highest
-    beliefs.nominal[:] = beliefs.estimate[:] = beliefs.used[:] = beliefs.mean
+    for row in (beliefs.nominal, beliefs.estimate, beliefs.used):
+        row[:] = beliefs.mean
+    beliefs.sigma[:] = beliefs.deviation
     return table

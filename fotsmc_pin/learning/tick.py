@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from fotsmc_pin.compiled import kernel
+from fotsmc_pin.control.rows import named_rows
+from fotsmc_pin.learning.change import notice_change
 from fotsmc_pin.learning.estimator import (
     WINDOW,
     JointRows,
@@ -22,26 +24,30 @@ if TYPE_CHECKING:
     from fotsmc_pin.types import Array
 
 
-class Clock(NamedTuple):
-    """Numbers of the whole arm.
+class Whole(NamedTuple):
+    """Numbers of the whole arm, each a vector (1,).
 
     Attributes:
         ticks: how many there were.
         elapsed: since the window began [s].
         duration: of the last window [s]; 0 before there was one.
-        tool: index of the link that carries the tool.
+        settled: since the last change [s].
+        changes: how many were noticed.
         lowest: ratio of true to believed inertia down to which the loop is used.
         highest: the same, upward.
-        fall: speed at which friction falls [rad/s].
+        fall: speed at which friction falls [rad/s, m/s].
+        tool: index of the link that carries the tool.
     """
 
-    ticks: float
-    elapsed: float
-    duration: float
-    tool: float
-    lowest: float
-    highest: float
-    fall: float
+    ticks: Array
+    elapsed: Array
+    duration: Array
+    settled: Array
+    changes: Array
+    lowest: Array
+    highest: Array
+    fall: Array
+    tool: Array
 
 
 @kernel(rounds_freely=True)
@@ -49,15 +55,15 @@ def learn(
     dt: float,
     tau: Array,
     v: Array,
-    clock: Array,
+    whole: Array,
     sent: Array,
-    joint_table: Array,
-    belief_table: Array,
+    joints: Array,
+    beliefs: Array,
     P: Array,
     Y: Array,
     regressor: Array,
     bodies: Array,
-    dynamic: Array,
+    written: Array,
 ) -> None:
     """Learn from one tick, and write the dynamic parameters of one link.
 
@@ -65,68 +71,52 @@ def learn(
         dt: time since the last tick [s].
         tau: torque that was just sent (nv,).
         v: measured speed (nv,).
-        clock: row of `Clock`.
-        sent: torques sent but not yet applied (delay + 1, nv), the oldest first; moved on.
-        joint_table: rows of `JointRows`.
-        belief_table: rows of `Beliefs`.
+        whole: rows of `Whole` (9, 1).
+        sent: torques that were sent and did not act yet, the oldest first (delay + 1, nv); moved on
+            by one.
+        joints: rows of `JointRows` (13, nv).
+        beliefs: rows of `Beliefs` (9, p).
         P: covariance (p, p).
         Y: low-passed rows (nv, c).
-        regressor: Pinocchio's, of the last window; new at the first tick of each (nv, 10 nv).
-        bodies: dynamic parameters per unit of each column (nv + 4, 10).
-        dynamic: overwritten with those of a link, another one in each tick but a window's first.
+        regressor: Pinocchio's of the last window, new in the first tick of each (nv, 10 nv).
+        bodies: dynamic parameters per unit of each link and of the payload, and in the last row the
+            tool's place (nv + 5, 10).
+        written: dynamic parameters of the learnt links (nv, 10); a row is written anew, another one
+            in each tick but a window's first.
     """
     n, delay = v.size, sent.shape[0] - 1
-    x = JointRows(
-        joint_table[0],
-        joint_table[1],
-        joint_table[2],
-        joint_table[3],
-        joint_table[4],
-        joint_table[5],
-        joint_table[6],
-        joint_table[7],
-        joint_table[8],
-        joint_table[9],
-        joint_table[10],
-        joint_table[11],
-    )
-    b = Beliefs(
-        belief_table[0],
-        belief_table[1],
-        belief_table[2],
-        belief_table[3],
-        belief_table[4],
-        belief_table[5],
-        belief_table[6],
-    )
-    ticks = int(clock[0])
+    a = named_rows(whole, Whole)
+    x = named_rows(joints, JointRows)
+    b = named_rows(beliefs, Beliefs)
+    ticks, tool, duration = int(a.ticks[0]), int(a.tool[0]), a.duration[0]
     phase = ticks % WINDOW
-    tool = int(clock[3])
+
+    # What acted since the last tick, and what will.
     if ticks > 0:
         collect(dt, sent[0], v, x)
-        clock[1] += dt
-    for k in range(delay):
-        for j in range(n):
-            sent[k, j] = sent[k + 1, j]
+        a.elapsed[0] += dt
     for j in range(n):
+        for k in range(delay):
+            sent[k, j] = sent[k + 1, j]
         sent[delay, j] = tau[j]
-    duration = clock[2]
-    if duration > 0.0:
-        if phase == 0:
-            absorb(duration, regressor, bodies, tool, x, Y, clock[6])
-            drift(duration, x, b, P)
-        else:
-            first = (n * (phase - 1)) // (WINDOW - 1)
-            last = (n * phase) // (WINDOW - 1)
-            for j in range(first, last):
-                take_row(j, duration, x, Y, b, P, belief_table[7])
-        if phase == WINDOW - 1:
-            keep_possible(b, P)
+
+    # The first tick of a window takes in the last one; the others a third of the joints each.
+    if duration > 0.0 and phase == 0:
+        absorb(duration, regressor, bodies, tool, x, Y, a.fall[0])
+        drift(duration, x, b, P)
+        a.settled[0] += duration
+        if notice_change(a.settled[0], x, Y, b, P):
+            a.settled[0], a.changes[0] = 0.0, a.changes[0] + 1.0
+    elif duration > 0.0:
+        for j in range((n * (phase - 1)) // (WINDOW - 1), (n * phase) // (WINDOW - 1)):
+            take_row(j, duration, x, Y, b, P)
     if phase == WINDOW - 1:
-        close_window(clock[1], v, x)
-        clock[2] = clock[1]
-        clock[1] = 0.0
-    trust(dt, n, clock[4], clock[5], b, P)
-    link = (ticks - ticks // WINDOW) % n  # None in the tick that evaluates the regressor.
-    body(link, n, tool, bodies[n + 4], bodies, b.used, dynamic)
-    clock[0] += 1.0
+        keep_possible(b, P)
+        close_window(a.elapsed[0], v, x)
+        a.duration[0], a.elapsed[0] = a.elapsed[0], 0.0
+
+    trust(dt, n, a.lowest[0], a.highest[0], b, P)
+    if phase > 0:
+        link = (ticks - ticks // WINDOW) % n
+        body(link, n, tool, bodies[n + 4], bodies, b.used, written[link])
+    a.ticks[0] += 1.0

@@ -6,9 +6,9 @@ import math
 from typing import TYPE_CHECKING
 
 from fotsmc_pin.compiled import kernel
-from fotsmc_pin.learning.parameters import Beliefs
 
 if TYPE_CHECKING:
+    from fotsmc_pin.learning.parameters import Beliefs
     from fotsmc_pin.types import Array
 
 FADING = 0.3
@@ -40,9 +40,10 @@ def trust(dt: float, n: int, lowest: float, highest: float, b: Beliefs, P: Array
     """
     share = dt / (FADING + dt)
     for i in range(b.estimate.size):
+        b.sigma[i] = math.sqrt(max(P[i, i], 0.0))
         wanted = b.estimate[i]
         if i <= n or n + 4 <= i < 2 * n + 4:
-            doubt = SURE * math.sqrt(max(P[i, i], 0.0))
+            doubt = SURE * b.sigma[i]
             ceiling = max(b.nominal[i], (wanted - doubt) / lowest)
             floor = min(b.nominal[i], (wanted + doubt) / highest)
             wanted = min(max(wanted, floor), ceiling)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fotsmc_pin.arms import perturb
+from fotsmc_pin.arms.drive_size import drive_size
 from fotsmc_pin.arms.markup import parse_urdf, urdf_text
 from fotsmc_pin.arms.overrides import apply_overrides
 from fotsmc_pin.arms.rotors import LIMIT_OVER_ARMATURE
@@ -24,27 +25,6 @@ FULL_EFFORT = 20.0
 """Effort limit below which a joint's friction is scaled down in proportion [N·m]."""
 SPRING_DAMPING = 0.02
 """Damping of an elastic joint over the critical damping of its motor on its spring."""
-HARDEST = 10.0
-"""Acceleration that the drive of a joint without an effort limit is made for [rad/s², m/s²]."""
-SAMPLES = 200
-
-
-def drive_size(arm: Arm) -> Array:
-    """Return the effort that each joint's drive is made for (nv,) [N·m, N].
-
-    It is the effort limit. A joint that states none is taken to have a drive for twice the largest
-    `|G_j| + 10 rad/s² · M_jj` of 200 random configurations, always the same ones.
-    """
-    limits = arm.effort_limit
-    if np.isfinite(limits).all():
-        return limits
-    rng = np.random.default_rng(0)
-    needed = np.zeros(arm.nv)
-    for _ in range(SAMPLES):
-        q = arm.random_configuration(rng)
-        own = np.abs(arm.gravity(q)) + HARDEST * np.diag(arm.mass_matrix(q))
-        needed = np.maximum(needed, 2.0 * own)
-    return np.where(np.isfinite(limits), limits, needed)
 
 
 def with_rotors(arm: Arm) -> Arm:

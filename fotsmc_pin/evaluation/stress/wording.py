@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fotsmc_pin.arms.drive_size import drive_size
 from fotsmc_pin.evaluation.stress.plants import (
     SPRING_DAMPING,
-    drive_size,
     joint_friction,
     true_armature,
 )
