@@ -12,8 +12,10 @@ from fotsmc_pin import checks
 from fotsmc_pin.compiled import specialized
 from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.simulation import stages
+from fotsmc_pin.simulation.dry_friction import SLIDES
 from fotsmc_pin.simulation.implicit_joints import ImplicitJoints
 from fotsmc_pin.simulation.stages import (
+    CONSTANTS,
     DAMPING,
     DISTURBANCE,
     EXCESS,
@@ -31,9 +33,13 @@ from fotsmc_pin.simulation.stages import (
     V_STAGE,
     WIDTH,
 )
+from fotsmc_pin.simulation.wrench import WrenchesOnArm
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from fotsmc_pin.arms import Arm
+    from fotsmc_pin.simulation.wrench import Wrench
     from fotsmc_pin.types import Array, Disturbance
 
 
@@ -42,6 +48,11 @@ FRICTION_WIDTH = 1e-3
 """Speed over which Coulomb friction changes sign, at the least [rad/s, m/s]."""
 LOCAL = pin.Convention.LOCAL
 """Faster than the default for a mass matrix alone, and the same to rounding."""
+PARTS_OF_AN_ARM = (
+    *("_model", "_data", "_acceleration", "_wrenches", "_advance"),
+    *("_links", "_of_links", "_glide", "_impulse"),
+)
+"""What a plant reads of its arm beside the constants in its workspace."""
 STIFFEST = 1.0
 """Largest `h D / M` of a joint for explicit steps; unstable from 2.8 on, and `M` varies."""
 
@@ -50,7 +61,7 @@ class Plant:
     """Forward dynamics `M a + C v + G + D v + F_c sign(v) = τ + τ_d` of an arm, step by step.
 
     Torque is held between ticks (zero-order hold); the disturbance is evaluated at every stage
-    of the integrator.
+    of the integrator, and wrenches where the arm is in that stage.
 
     Friction is explicit in "rk4": Coulomb friction changes sign over a narrow band of
     speed, 1e-3 wide or as wide as keeps one integration step from overshooting a standstill, and
@@ -75,6 +86,7 @@ class Plant:
         substeps: int = 1,
         integrator: str | None = None,
         disturbance: Disturbance | None = None,
+        wrenches: Sequence[Wrench] = (),
     ) -> None:
         """Put the arm at `q0`, `v0` at time 0.
 
@@ -89,6 +101,7 @@ class Plant:
                 friction, which sticks in the other only, elastic joints, which only the other
                 knows, or damping too strong for explicit steps.
             disturbance: `t -> (nv,)`, torque added at the joints [N·m, N].
+            wrenches: forces and torques at frames of the arm.
 
         Raises:
             ArgumentError: naming the argument, its value and the remedy.
@@ -101,8 +114,9 @@ class Plant:
         lightest = self._lightest(np.array(q0))
         self.integrator = self._suitable(integrator, h * arm.damping / lightest)
         rk4 = self.integrator == "rk4"
-        self._advance = self._rk4 if rk4 else self._semi_implicit
+        self._advance = Plant._rk4 if rk4 else Plant._semi_implicit
         self._acceleration: Array = self._data.ddq
+        self._wrenches = WrenchesOnArm(arm, wrenches) if wrenches else None
         self._disturbance = disturbance
         self._euclidean = arm.is_euclidean
         self._work = work = np.zeros((ROWS + arm.nv, arm.nv))
@@ -118,15 +132,18 @@ class Plant:
         if rk4:
             work[DAMPING], work[FRICTION] = arm.damping, arm.friction
         work[EXCESS], work[STRIBECK] = arm.stiction - 1.0, arm.stribeck_velocity
-        work[WIDTH] = np.maximum(FRICTION_WIDTH, arm.friction * arm.stiction * h / lightest)
+        self._impulse = arm.friction * arm.stiction * h
+        work[WIDTH] = np.maximum(FRICTION_WIDTH, self._impulse / lightest)
         work[LIMIT] = arm.effort_limit
         self.joints: ImplicitJoints | None = None
+        self._links = self._of_links = None
+        self._glide = stages.glide
         if not rk4 and has_friction_or_springs(arm):
             self.joints = joints = ImplicitJoints(arm, self.q, self.v, work[TABLE])
             self._links, self._of_links = joints.model, joints.data
             self._parts = (joints.mass, joints.bias, work)
             self._glide = specialized(stages.glide, h, *self._parts)
-            self._advance = self._with_friction
+            self._advance = Plant._with_friction
         a = self._acceleration
         self._begin = specialized(stages.begin, work)
         self._rk4_stage = specialized(stages.rk4_stage, 0, h, a, work)
@@ -148,10 +165,10 @@ class Plant:
             The index of the joint that diverged, or -1.
         """
         if self._substeps == 1:
-            return self._advance(t, dt)
+            return self._advance(self, t, dt)
         h = dt / self._substeps
         for k in range(self._substeps):
-            lost = self._advance(t + k * h, h)
+            lost = self._advance(self, t + k * h, h)
             if lost >= 0:
                 return lost
         return -1
@@ -188,6 +205,9 @@ class Plant:
     def _rk4(self, t: float, h: float) -> int:
         model, data, load, disturbance = self._model, self._data, self._load, self._disturbance
         stage, acceleration, work = self._rk4_stage, self._acceleration, self._work
+        wrenches = self._wrenches
+        if wrenches is not None:
+            load += wrenches(t, self.q)
         pin.aba(model, data, self.q, self.v, load)
         if disturbance is not None:
             work[DISTURBANCE] = disturbance(t + 0.5 * h)
@@ -197,12 +217,16 @@ class Plant:
             stage(k, h, acceleration, work)
             if not self._euclidean:
                 self._q_stage[:] = pin.integrate(model, self.q, self._step)
+            if wrenches is not None:
+                load += wrenches(t + (h if k == 2 else 0.5 * h), self._q_stage)
             pin.aba(model, data, self._q_stage, self._v_stage, load)
         lost = self._rk4_finish(h, acceleration, work)
         self._move_continuous_joints()
         return lost
 
     def _semi_implicit(self, t: float, h: float) -> int:
+        if self._wrenches is not None:
+            self._load += self._wrenches(t, self.q)
         pin.aba(self._model, self._data, self.q, self.v, self._load)
         if self._disturbance is not None:
             self._work[DISTURBANCE] = self._disturbance(t + h)
@@ -212,13 +236,29 @@ class Plant:
         return lost
 
     def _with_friction(self, t: float, h: float) -> int:
+        if self._wrenches is not None:
+            self._work[DISTURBANCE] += self._wrenches(t, self.q)
         pin.crba(self._links, self._of_links, self.q, LOCAL)
         pin.nonLinearEffects(self._links, self._of_links, self.q, self.v)
         lost = self._glide(h, *self._parts)
         if self._disturbance is not None:
             self._work[DISTURBANCE] = self._disturbance(t + h)
+        elif self._wrenches is not None:
+            self._work[DISTURBANCE] = 0.0
         self._move_continuous_joints()
         return lost
+
+    def _become(self, other: Plant) -> None:
+        """Go on from this state as the arm of another plant, which has the same joints."""
+        for name in PARTS_OF_AN_ARM:
+            setattr(self, name, getattr(other, name))
+        self._work[CONSTANTS] = other._work[CONSTANTS]
+        self._work[WIDTH] = np.maximum(FRICTION_WIDTH, self._impulse / self._lightest(self.q))
+        if other.joints is not None:
+            self._parts = (other.joints.mass, other.joints.bias, self._work)
+            speed = self.encoders()[1] if self.is_elastic else self.v
+            self._work[TABLE][SLIDES] = np.sign(speed)  # Guess anew, as at a start.
+        self._begin(self._work)
 
     def _move_continuous_joints(self) -> None:
         """Move a configuration that is not a plain vector by the workspace's tangent step."""
