@@ -101,9 +101,10 @@ def _words(before: Arm, after: Arm) -> str:
     found = []
     if masses[0] != masses[1]:
         found.append(f"payload {masses[1]:.4g} kg" if masses[1] else "no payload")
-    told = [_told(before), _told(after)]
-    found += [words for words in told[1] if words not in told[0]]
-    found += [f"no longer {words}" for words in told[0] if words not in told[1]]
+    old, new = _told(before), _told(after)
+    found += [words for words in new if words not in old]
+    still_told = {words.partition(" = ")[0] for words in new}
+    found += [f"no longer {w}" for w in old if w.partition(" = ")[0] not in still_told]
     if not found:
         found = ["no change" if before.urdf == after.urdf else f"the arm becomes {after.name}"]
     return "; ".join(found)
