@@ -207,7 +207,7 @@ class Plant:
         stage, acceleration, work = self._rk4_stage, self._acceleration, self._work
         wrenches = self._wrenches
         if wrenches is not None:
-            load += wrenches(t, self.q)
+            wrenches.add_to(load, t, self.q)
         pin.aba(model, data, self.q, self.v, load)
         if disturbance is not None:
             work[DISTURBANCE] = disturbance(t + 0.5 * h)
@@ -218,7 +218,7 @@ class Plant:
             if not self._euclidean:
                 self._q_stage[:] = pin.integrate(model, self.q, self._step)
             if wrenches is not None:
-                load += wrenches(t + (h if k == 2 else 0.5 * h), self._q_stage)
+                wrenches.add_to(load, t + (h if k == 2 else 0.5 * h), self._q_stage)
             pin.aba(model, data, self._q_stage, self._v_stage, load)
         lost = self._rk4_finish(h, acceleration, work)
         self._move_continuous_joints()
@@ -226,7 +226,7 @@ class Plant:
 
     def _semi_implicit(self, t: float, h: float) -> int:
         if self._wrenches is not None:
-            self._load += self._wrenches(t, self.q)
+            self._wrenches.add_to(self._load, t, self.q)
         pin.aba(self._model, self._data, self.q, self.v, self._load)
         if self._disturbance is not None:
             self._work[DISTURBANCE] = self._disturbance(t + h)
@@ -237,7 +237,7 @@ class Plant:
 
     def _with_friction(self, t: float, h: float) -> int:
         if self._wrenches is not None:
-            self._work[DISTURBANCE] += self._wrenches(t, self.q)
+            self._wrenches.add_to(self._work[DISTURBANCE], t, self.q)
         pin.crba(self._links, self._of_links, self.q, LOCAL)
         pin.nonLinearEffects(self._links, self._of_links, self.q, self.v)
         lost = self._glide(h, *self._parts)

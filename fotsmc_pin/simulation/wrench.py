@@ -113,23 +113,20 @@ class Wrench:
 
 
 class WrenchesOnArm:
-    """What wrenches are at the joints of an arm: a function `(t, q) -> (nv,)` [N·m, N]."""
+    """What wrenches are at the joints of an arm: torques [N·m, N] that depend on where it is."""
 
     def __init__(self, arm: Arm, wrenches: Sequence[Wrench]) -> None:
         """Look up the frames."""
         self._model, self._data = arm.model, arm.model.createData()
         self._parts = [
-            (w, w.frame_id(arm), AXES[w.axes], np.concatenate([w.force, w.torque]))
+            (w.start - ROUNDING, w.end, w, w.frame_id(arm), np.concatenate([w.force, w.torque]))
             for w in wrenches
         ]
-        self._nothing = np.zeros(arm.nv)
 
-    def __call__(self, t: float, q: Array) -> Array:
-        """Return the sum of all that act at time `t` [s], at the configuration `q` (nq,)."""
-        total = self._nothing
-        for wrench, frame, axes, vector in self._parts:
-            share = wrench.share(t)
-            if share > 0.0:
+    def add_to(self, load: Array, t: float, q: Array) -> None:
+        """Add to `load` (nv,) all that act at time `t` [s], at the configuration `q` (nq,)."""
+        for start, end, wrench, frame, vector in self._parts:
+            if start <= t < end and (share := wrench.share(t)) > 0.0:
+                axes = AXES[wrench.axes]
                 jacobian = pin.computeFrameJacobian(self._model, self._data, q, frame, axes)
-                total = total + share * (jacobian.T @ vector)
-        return total
+                load += (share * vector) @ jacobian
