@@ -1,5 +1,7 @@
 """Events: the plant becomes another arm, and goes on from the state in which it was."""
 
+import json
+
 import numpy as np
 import pytest
 
@@ -173,6 +175,20 @@ def test_saving_keeps_events_and_wrenches(arms, held, tmp_path):
         "payload 2 kg; friction of all = 0.5", "no payload; no longer friction of all = 0.5"
     ]  # fmt: skip
     assert back.events[0].arm == loaded
+
+
+def test_a_file_of_before_there_were_events_opens(arms, held, tmp_path):
+    arm = arms["two_link"]
+    simulate(arm, held(arm, 1e-3), Hold(arm), 0.01).save(tmp_path / "run.npz")
+    with np.load(tmp_path / "run.npz") as file:
+        members = dict(file)
+    header = json.loads(str(members["header"]))
+    assert header["format"] == 4
+    assert header.pop("events") == header.pop("wrenches") == []
+    members["header"] = np.array(json.dumps(header))
+    np.savez(tmp_path / "old.npz", **members)
+    old = Recording.load(tmp_path / "old.npz")
+    assert (old.events, old.wrenches) == ((), ())
 
 
 def test_a_run_that_stops_early_tells_only_what_came_to_pass(arms):
