@@ -5,7 +5,11 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from fotsmc_pin.simulation.plant import Plant
+import numpy as np
+
+from fotsmc_pin.simulation.dry_friction import SLIDES
+from fotsmc_pin.simulation.plant import FRICTION_WIDTH, Plant
+from fotsmc_pin.simulation.stages import CONSTANTS, TABLE, WIDTH
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -14,6 +18,11 @@ if TYPE_CHECKING:
     from fotsmc_pin.simulation.events import PlantChange
     from fotsmc_pin.types import Array
 
+PARTS_OF_AN_ARM = (
+    *("_model", "_data", "_acceleration", "_wrenches"),
+    *("_advance", "_links", "_of_links", "_glide"),
+)
+"""What a plant reads of its arm beside the constants in its workspace."""
 EARLY = 1e-6
 """Share of a step by which a step may begin before an event and still be the one at its time."""
 
@@ -61,7 +70,7 @@ class ChangingPlant(Plant):
             later = built("semi-implicit")
         self._later = [(e.time, plant) for e, plant in zip(events, later, strict=True)]
         self._next = self._later[0][0]
-        self._early = EARLY * options["dt"] / self._substeps
+        self._h = options["dt"] / self._substeps
 
     def load(self, t: float, tau: Array) -> None:
         """Apply `tau` as `Plant.load` does, to the arm that the plant is at time `t`."""
@@ -79,7 +88,21 @@ class ChangingPlant(Plant):
         return -1
 
     def _change(self, t: float) -> None:
-        while t >= self._next - self._early:
+        while t >= self._next - EARLY * self._h:
             _, other = self._later.pop(0)
             self._next = self._later[0][0] if self._later else math.inf
             self._become(other)
+
+    def _become(self, other: Plant) -> None:
+        """Go on from this state as the arm of another plant, which has the same joints."""
+        for name in PARTS_OF_AN_ARM:
+            setattr(self, name, getattr(other, name))
+        work, arm = self._work, other._arm
+        work[CONSTANTS] = other._work[CONSTANTS]
+        impulse = arm.friction * arm.stiction * self._h
+        work[WIDTH] = np.maximum(FRICTION_WIDTH, impulse / self._lightest(self.q))
+        if other.joints is not None:
+            self._parts = (other.joints.mass, other.joints.bias, work)
+            speed = self.encoders()[1] if self.is_elastic else self.v
+            work[TABLE][SLIDES] = np.sign(speed)  # Guess anew, as at a start.
+        self._begin(work)

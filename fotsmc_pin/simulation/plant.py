@@ -12,10 +12,8 @@ from fotsmc_pin import checks
 from fotsmc_pin.compiled import specialized
 from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.simulation import stages
-from fotsmc_pin.simulation.dry_friction import SLIDES
 from fotsmc_pin.simulation.implicit_joints import ImplicitJoints
 from fotsmc_pin.simulation.stages import (
-    CONSTANTS,
     DAMPING,
     DISTURBANCE,
     EXCESS,
@@ -48,11 +46,6 @@ FRICTION_WIDTH = 1e-3
 """Speed over which Coulomb friction changes sign, at the least [rad/s, m/s]."""
 LOCAL = pin.Convention.LOCAL
 """Faster than the default for a mass matrix alone, and the same to rounding."""
-PARTS_OF_AN_ARM = (
-    *("_model", "_data", "_acceleration", "_wrenches", "_advance"),
-    *("_links", "_of_links", "_glide", "_impulse"),
-)
-"""What a plant reads of its arm beside the constants in its workspace."""
 STIFFEST = 1.0
 """Largest `h D / M` of a joint for explicit steps; unstable from 2.8 on, and `M` varies."""
 
@@ -132,8 +125,7 @@ class Plant:
         if rk4:
             work[DAMPING], work[FRICTION] = arm.damping, arm.friction
         work[EXCESS], work[STRIBECK] = arm.stiction - 1.0, arm.stribeck_velocity
-        self._impulse = arm.friction * arm.stiction * h
-        work[WIDTH] = np.maximum(FRICTION_WIDTH, self._impulse / lightest)
+        work[WIDTH] = np.maximum(FRICTION_WIDTH, arm.friction * arm.stiction * h / lightest)
         work[LIMIT] = arm.effort_limit
         self.joints: ImplicitJoints | None = None
         self._links = self._of_links = None
@@ -236,29 +228,18 @@ class Plant:
         return lost
 
     def _with_friction(self, t: float, h: float) -> int:
-        if self._wrenches is not None:
-            self._wrenches.add_to(self._work[DISTURBANCE], t, self.q)
+        wrenches = self._wrenches
+        if wrenches is not None:
+            wrenches.add_to(self._work[DISTURBANCE], t, self.q)
         pin.crba(self._links, self._of_links, self.q, LOCAL)
         pin.nonLinearEffects(self._links, self._of_links, self.q, self.v)
         lost = self._glide(h, *self._parts)
         if self._disturbance is not None:
             self._work[DISTURBANCE] = self._disturbance(t + h)
-        elif self._wrenches is not None:
+        elif wrenches is not None:
             self._work[DISTURBANCE] = 0.0
         self._move_continuous_joints()
         return lost
-
-    def _become(self, other: Plant) -> None:
-        """Go on from this state as the arm of another plant, which has the same joints."""
-        for name in PARTS_OF_AN_ARM:
-            setattr(self, name, getattr(other, name))
-        self._work[CONSTANTS] = other._work[CONSTANTS]
-        self._work[WIDTH] = np.maximum(FRICTION_WIDTH, self._impulse / self._lightest(self.q))
-        if other.joints is not None:
-            self._parts = (other.joints.mass, other.joints.bias, self._work)
-            speed = self.encoders()[1] if self.is_elastic else self.v
-            self._work[TABLE][SLIDES] = np.sign(speed)  # Guess anew, as at a start.
-        self._begin(self._work)
 
     def _move_continuous_joints(self) -> None:
         """Move a configuration that is not a plain vector by the workspace's tangent step."""
