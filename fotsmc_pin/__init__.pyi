@@ -27,7 +27,12 @@ from .fractional import (
     FractionalDerivative as FractionalDerivative,
     FractionalIntegral as FractionalIntegral,
 )
-from .simulation import Recording as Recording, simulate as simulate
+from .simulation import (
+    PlantChange as PlantChange,
+    Recording as Recording,
+    Wrench as Wrench,
+    simulate as simulate,
+)
 from .analysis import (
     Summary as Summary,
     inertia_ratios as inertia_ratios,

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from fotsmc_pin.arms.tree import UrdfTree
 
 STEEL = 7850.0  # Density [kg/m³].
+PREFIX = "payload_"
+"""Of the names of links that `attach` adds."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -96,7 +98,7 @@ def attach(payload: Payload, tree: UrdfTree, default_frame: str) -> str:
         known = ", ".join(tree.links)
         raise ArgumentError("frame", frame, f"no link has this name; known: {known}")
     taken = {element.get("name") for element in tree.robot}
-    numbers = (f"payload_{number}" for number in itertools.count(1))
+    numbers = (f"{PREFIX}{number}" for number in itertools.count(1))
     name = next(name for name in numbers if not taken & {name, f"{name}_joint"})
     link = ET.SubElement(tree.robot, "link", name=name)
     write_inertia(link, payload.as_link_inertia())
@@ -110,3 +112,13 @@ def attach(payload: Payload, tree: UrdfTree, default_frame: str) -> str:
     ET.SubElement(joint, "parent", link=frame)
     ET.SubElement(joint, "child", link=name)
     return name
+
+
+def payload_masses(tree: UrdfTree) -> dict[str, float]:
+    """Return the mass of each payload on an arm [kg], by the name of its link."""
+    masses = {}
+    for name, link in tree.links.items():
+        mass = link.find("inertial/mass") if name.startswith(PREFIX) else None
+        if mass is not None:
+            masses[name] = float(mass.get("value", "0"))
+    return masses

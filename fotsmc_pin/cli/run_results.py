@@ -75,6 +75,8 @@ def keep_results(rec: Recording, told: Told, folder: Path) -> Path:
 
 
 def _run_rows(rec: Recording, told: Told) -> list[tuple[str, str]]:
+    from fotsmc_pin.view.marks import marks_of
+
     controller = told.controller
     changes = [*rec.arm.changes] if told.true is None else [told.true, *rec.arm.changes]
     unit = ", ".join(dict.fromkeys(rec.arm.position_units))
@@ -91,8 +93,9 @@ def _run_rows(rec: Recording, told: Told) -> list[tuple[str, str]]:
         ("nominal arm", f"{told.nominal.name}, {told.nominal.nv} joints"),
         ("true arm", "; ".join(changes) or "as the nominal arm"),
     ]
-    shown = "; ".join(filter(None, conditions))
-    return [*rows, ("conditions", shown)] if shown else rows
+    rows += [("conditions", shown)] if (shown := "; ".join(filter(None, conditions))) else []
+    happens = "\n".join(mark.told for mark in marks_of([rec]))
+    return [*rows, ("happens", happens)] if happens else rows
 
 
 def _metric_rows(rec: Recording, by_unit: Mapping[str, Summary]) -> list[tuple[str, str]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import webbrowser
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -60,6 +61,22 @@ def simulate(
         str,
         typer.Option(help="none, push (a tenth of the effort limits for 0.2 s), or paper."),
     ] = "none",
+    event: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="What the true arm becomes at a time [s], TIME:option=value with an option about "
+            "it: 3:payload=2 picks up 2 kg at 3 s, 6:payload=0 puts them down; may be repeated.",
+            metavar="TIME:OPTION=VALUE",
+        ),
+    ] = None,
+    wrench: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Force [N] and torque [N·m] at the tool, or at a link, in the axes of the world, "
+            "from START for DURATION [s]; may be repeated.",
+            metavar="START:DURATION:FX,FY,FZ[,TX,TY,TZ][@LINK]",
+        ),
+    ] = None,
     noise: Annotated[
         float,
         typer.Option(
@@ -88,17 +105,21 @@ def simulate(
     from fotsmc_pin.analysis import warn_of_soft_joints
     from fotsmc_pin.arms.rotors import warn_of_missing_rotors
     from fotsmc_pin.cli.run_disturbances import disturbance as disturbing
+    from fotsmc_pin.cli.run_events import events, wrenches
     from fotsmc_pin.cli.run_references import task as find_task
     from fotsmc_pin.cli.run_results import Told, keep_results
     from fotsmc_pin.references import warn_of_limits
 
     nominal = arm_options.load(arm)
-    plant_arm = _true_arm(nominal, true, plant, arm_options)
+    make_true = partial(_true_arm, nominal, true, options=arm_options)
+    plant_arm = make_true(plant)
     controller = law.make(nominal, dt)
     task = find_task(reference, nominal)
     seconds = task.duration if duration is None else duration
     folder = result_folder(out or Path("out") / file_name(nominal.name), force=force)
+    pushes = wrenches(wrench or [], plant_arm, seconds)
     disturbed = disturbing(disturbance, plant_arm, seconds)
+    changes = events(event or [], plant, make_true, seconds)
     sensor, actuator = _sensor(nominal, noise, plant.seed), _actuator(delay)
     q0 = nominal.integrate(task.q_start, [start_error] * nominal.nv)
     warn_of_missing_rotors(nominal)
@@ -122,7 +143,8 @@ def simulate(
             task.reference,
             seconds,
             q0=q0,
-            disturbance=disturbed,
+            disturbance=[*pushes, *([] if disturbed is None else [disturbed])],
+            events=changes,
             sensor=sensor,
             actuator=actuator,
             substeps=substeps,

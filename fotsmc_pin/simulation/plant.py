@@ -31,9 +31,13 @@ from fotsmc_pin.simulation.stages import (
     V_STAGE,
     WIDTH,
 )
+from fotsmc_pin.simulation.wrench import WrenchesOnArm
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from fotsmc_pin.arms import Arm
+    from fotsmc_pin.simulation.wrench import Wrench
     from fotsmc_pin.types import Array, Disturbance
 
 
@@ -50,7 +54,7 @@ class Plant:
     """Forward dynamics `M a + C v + G + D v + F_c sign(v) = τ + τ_d` of an arm, step by step.
 
     Torque is held between ticks (zero-order hold); the disturbance is evaluated at every stage
-    of the integrator.
+    of the integrator, and wrenches where the arm is in that stage.
 
     Friction is explicit in "rk4": Coulomb friction changes sign over a narrow band of
     speed, 1e-3 wide or as wide as keeps one integration step from overshooting a standstill, and
@@ -75,6 +79,7 @@ class Plant:
         substeps: int = 1,
         integrator: str | None = None,
         disturbance: Disturbance | None = None,
+        wrenches: Sequence[Wrench] = (),
     ) -> None:
         """Put the arm at `q0`, `v0` at time 0.
 
@@ -89,6 +94,7 @@ class Plant:
                 friction, which sticks in the other only, elastic joints, which only the other
                 knows, or damping too strong for explicit steps.
             disturbance: `t -> (nv,)`, torque added at the joints [N·m, N].
+            wrenches: forces and torques at frames of the arm.
 
         Raises:
             ArgumentError: naming the argument, its value and the remedy.
@@ -101,8 +107,9 @@ class Plant:
         lightest = self._lightest(np.array(q0))
         self.integrator = self._suitable(integrator, h * arm.damping / lightest)
         rk4 = self.integrator == "rk4"
-        self._advance = self._rk4 if rk4 else self._semi_implicit
+        self._advance = Plant._rk4 if rk4 else Plant._semi_implicit
         self._acceleration: Array = self._data.ddq
+        self._wrenches = WrenchesOnArm(arm, wrenches) if wrenches else None
         self._disturbance = disturbance
         self._euclidean = arm.is_euclidean
         self._work = work = np.zeros((ROWS + arm.nv, arm.nv))
@@ -121,12 +128,14 @@ class Plant:
         work[WIDTH] = np.maximum(FRICTION_WIDTH, arm.friction * arm.stiction * h / lightest)
         work[LIMIT] = arm.effort_limit
         self.joints: ImplicitJoints | None = None
+        self._links = self._of_links = None
+        self._glide = stages.glide
         if not rk4 and has_friction_or_springs(arm):
             self.joints = joints = ImplicitJoints(arm, self.q, self.v, work[TABLE])
             self._links, self._of_links = joints.model, joints.data
             self._parts = (joints.mass, joints.bias, work)
             self._glide = specialized(stages.glide, h, *self._parts)
-            self._advance = self._with_friction
+            self._advance = Plant._with_friction
         a = self._acceleration
         self._begin = specialized(stages.begin, work)
         self._rk4_stage = specialized(stages.rk4_stage, 0, h, a, work)
@@ -148,10 +157,10 @@ class Plant:
             The index of the joint that diverged, or -1.
         """
         if self._substeps == 1:
-            return self._advance(t, dt)
+            return self._advance(self, t, dt)
         h = dt / self._substeps
         for k in range(self._substeps):
-            lost = self._advance(t + k * h, h)
+            lost = self._advance(self, t + k * h, h)
             if lost >= 0:
                 return lost
         return -1
@@ -188,6 +197,9 @@ class Plant:
     def _rk4(self, t: float, h: float) -> int:
         model, data, load, disturbance = self._model, self._data, self._load, self._disturbance
         stage, acceleration, work = self._rk4_stage, self._acceleration, self._work
+        wrenches = self._wrenches
+        if wrenches is not None:
+            wrenches.add_to(load, t, self.q)
         pin.aba(model, data, self.q, self.v, load)
         if disturbance is not None:
             work[DISTURBANCE] = disturbance(t + 0.5 * h)
@@ -197,12 +209,16 @@ class Plant:
             stage(k, h, acceleration, work)
             if not self._euclidean:
                 self._q_stage[:] = pin.integrate(model, self.q, self._step)
+            if wrenches is not None:
+                wrenches.add_to(load, t + (h if k == 2 else 0.5 * h), self._q_stage)
             pin.aba(model, data, self._q_stage, self._v_stage, load)
         lost = self._rk4_finish(h, acceleration, work)
         self._move_continuous_joints()
         return lost
 
     def _semi_implicit(self, t: float, h: float) -> int:
+        if self._wrenches is not None:
+            self._wrenches.add_to(self._load, t, self.q)
         pin.aba(self._model, self._data, self.q, self.v, self._load)
         if self._disturbance is not None:
             self._work[DISTURBANCE] = self._disturbance(t + h)
@@ -212,11 +228,16 @@ class Plant:
         return lost
 
     def _with_friction(self, t: float, h: float) -> int:
+        wrenches = self._wrenches
+        if wrenches is not None:
+            wrenches.add_to(self._work[DISTURBANCE], t, self.q)
         pin.crba(self._links, self._of_links, self.q, LOCAL)
         pin.nonLinearEffects(self._links, self._of_links, self.q, self.v)
         lost = self._glide(h, *self._parts)
         if self._disturbance is not None:
             self._work[DISTURBANCE] = self._disturbance(t + h)
+        elif wrenches is not None:
+            self._work[DISTURBANCE] = 0.0
         self._move_continuous_joints()
         return lost
 

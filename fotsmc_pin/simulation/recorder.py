@@ -12,8 +12,12 @@ from fotsmc_pin.compiled import kernel, specialized
 from fotsmc_pin.simulation.recording import Recording
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from fotsmc_pin.arms import Arm
+    from fotsmc_pin.simulation.events import PlantChange
     from fotsmc_pin.simulation.plant import Plant
+    from fotsmc_pin.simulation.wrench import Wrench
     from fotsmc_pin.types import Array
 
 
@@ -65,9 +69,19 @@ class Recorder:
                 rows[k] = signals[name]
         self._filled = k + 1
 
-    def recording(self, metadata: dict[str, Any]) -> Recording:
-        """Return all rows so far; its arrays are views on the recorder's table, not copies."""
+    def recording(
+        self,
+        metadata: dict[str, Any],
+        *,
+        events: Sequence[PlantChange] = (),
+        wrenches: Sequence[Wrench] = (),
+    ) -> Recording:
+        """Return all rows so far; its arrays are views on the recorder's table, not copies.
+
+        Of `events` and `wrenches` those are kept that the run has reached.
+        """
         n = self._filled
+        reached = float(self._t[n - 1]) if n else -1.0
         ends = np.cumsum([0, *self._widths]).tolist()
         parts = [self._table[:n, start:end] for start, end in pairwise(ends)]
         (q, v, tau), live = parts[:3], dict(zip(self._names, parts[3:], strict=True))
@@ -85,6 +99,8 @@ class Recorder:
             signals=live | asked,
             arm=self._arm,
             metadata=metadata,
+            events=tuple(event for event in events if event.time <= reached),
+            wrenches=tuple(wrench for wrench in wrenches if wrench.start <= reached),
         )
 
 

@@ -15,6 +15,8 @@ from fotsmc_pin.files import replacing
 from fotsmc_pin.notebook import page_of
 from fotsmc_pin.progress import reporting
 from fotsmc_pin.simulation import recording_file
+from fotsmc_pin.simulation.events import PlantChange
+from fotsmc_pin.simulation.wrench import Wrench
 
 if TYPE_CHECKING:
     import os
@@ -41,8 +43,10 @@ class Recording:
         tau: torque at the joints, after all limits (N, nv) [N·m, N].
         signals: named arrays (N, k) of the controller, such as "s", its sliding variable; of an arm
             with elastic joints also "deflection", motor beyond link, and "motor_speed".
-        arm: the true arm.
+        arm: the true arm; where events changed it, that of the start.
         metadata: plain data that tells how the run was made (controller, gains, dt, versions).
+        events: what the plant became in mid-run, in the order of time.
+        wrenches: forces and torques at frames of the arm that acted.
     """
 
     t: Array
@@ -56,6 +60,8 @@ class Recording:
     signals: dict[str, Array]
     arm: Arm
     metadata: dict[str, Any] = field(default_factory=dict)
+    events: tuple[PlantChange, ...] = ()
+    wrenches: tuple[Wrench, ...] = ()
 
     def __len__(self) -> int:
         """Return the number of recorded ticks."""
@@ -111,7 +117,12 @@ class Recording:
             path: the file; missing folders are made.
             progress: True shows a bar on standard error; a callable is told the fraction done.
         """
-        about = {"arm": self.arm.to_dict(), "metadata": self.metadata}
+        about = {
+            "arm": self.arm.to_dict(),
+            "metadata": self.metadata,
+            "events": [event.to_dict() for event in self.events],
+            "wrenches": [wrench.to_dict() for wrench in self.wrenches],
+        }
         arrays = {name: getattr(self, name) for name in ARRAYS}
         with reporting(progress, f"Saving {Path(path).name}") as report, replacing(path) as stream:
             recording_file.write(stream, arrays, self.signals, about, report)
@@ -128,12 +139,18 @@ class Recording:
             try:
                 found = recording_file.read(path, stream, ARRAYS)
                 header = found.pop("header")
-                arm = Arm.from_dict(header["arm"])
-                return cls(arm=arm, metadata=header["metadata"], **found)
+                return cls(
+                    arm=Arm.from_dict(header["arm"]),
+                    metadata=header["metadata"],
+                    events=tuple(map(PlantChange.from_dict, header.get("events", ()))),
+                    wrenches=tuple(Wrench(**parts) for parts in header.get("wrenches", ())),
+                    **found,
+                )
             except RecordingError:
                 raise
             except Exception as error:  # the parsers raise many kinds on damaged bytes
                 raise RecordingError(f"{path}: not a recording of fotsmc_pin ({error})") from error
 
 
-ARRAYS = tuple(f.name for f in fields(Recording) if f.name not in ("signals", "arm", "metadata"))
+OTHERS = ("signals", "arm", "metadata", "events", "wrenches")
+ARRAYS = tuple(f.name for f in fields(Recording) if f.name not in OTHERS)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import platform
 import time
-from functools import cache
+from functools import cache, partial
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
@@ -14,7 +14,10 @@ from fotsmc_pin import checks
 from fotsmc_pin.arms import demand_arm
 from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.progress import reporting
-from fotsmc_pin.simulation.faults import NOTHING, Tick, divergence, fault_of, flaw
+from fotsmc_pin.simulation.changing_plant import ChangingPlant
+from fotsmc_pin.simulation.disturbances import sorted_out
+from fotsmc_pin.simulation.events import checked_events
+from fotsmc_pin.simulation.faults import NOTHING, Tick, divergence, fault_of
 from fotsmc_pin.simulation.interrupt import kept_on_interrupt
 from fotsmc_pin.simulation.memory import demand_memory
 from fotsmc_pin.simulation.plant import Plant
@@ -22,12 +25,15 @@ from fotsmc_pin.simulation.recorder import Recorder
 from fotsmc_pin.simulation.reference_values import reference_values
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from numpy.typing import ArrayLike
 
     from fotsmc_pin.arms import Arm
     from fotsmc_pin.progress import Progress
+    from fotsmc_pin.simulation.disturbances import Disturbances
     from fotsmc_pin.simulation.recording import Recording
-    from fotsmc_pin.types import Actuator, Array, Disturbance, Reference, Sensor
+    from fotsmc_pin.types import Actuator, Array, Reference, Sensor
 
 
 CHUNK = 256
@@ -59,7 +65,8 @@ def simulate(
     *,
     q0: ArrayLike | None = None,
     v0: ArrayLike | None = None,
-    disturbance: Disturbance | None = None,
+    disturbance: Disturbances = None,
+    events: Mapping[float, Arm] | None = None,
     sensor: Sensor | None = None,
     actuator: Actuator | None = None,
     substeps: int = 1,
@@ -86,7 +93,14 @@ def simulate(
         duration: simulated time [s].
         q0: configuration at the start (nq,); the reference's by default.
         v0: velocity at the start (nv,); the reference's by default.
-        disturbance: `t -> (nv,)`, torque added at the joints [N·m, N], evaluated at every stage.
+        disturbance: `t -> (nv,)`, torque added at the joints [N·m, N], evaluated at every stage; or
+            a `Wrench`, a push at a frame; or a list of both, which add up.
+        events: `{time: arm}`, what the plant becomes at these times [s], such as `perturb(arm,
+            payload=2.0)` where it picks something up: dynamics, friction, springs and rotors change
+            at the first step of the integrator at or after the time. The arms have the joints and
+            effort limits of `arm`. Position and velocity go on without a step: a payload is taken
+            on at the speed that the tool has. At another speed there would be an impact, which is
+            the grasp's affair and not the payload's, and an arm grasps at the speed of the thing.
         sensor: `(t, q, v) -> (q, v)`, from the true state to what the controller measures.
         actuator: `(t, tau) -> tau`, from the controller's torque to what the drives apply.
         substeps: integration steps in a tick.
@@ -120,14 +134,18 @@ def simulate(
     stride = checks.count("record_every", record_every)
     demand_memory(arm, duration, dt, stride)
     q_start, v_start, _ = _checked_reference(arm, reference)
-    plant = Plant(
+    push, wrenches = sorted_out(arm, disturbance, duration)
+    changes = checked_events(arm, events, duration)
+    build = partial(ChangingPlant, events=changes) if changes else Plant
+    plant = build(
         arm,
         q_start if q0 is None else checks.finite_vector("q0", q0, arm.nq),
         v_start if v0 is None else checks.finite_vector("v0", v0, arm.nv),
         dt=dt,
         substeps=substeps,
         integrator=integrator,
-        disturbance=_checked_disturbance(arm, disturbance),
+        disturbance=push,
+        wrenches=wrenches,
     )
     for part in (controller, sensor, actuator):
         reset = getattr(part, "reset", None)
@@ -152,7 +170,8 @@ def simulate(
         if plant.is_elastic:
             options["encoder"] = encoder
         took = time.perf_counter() - started
-        return recorder.recording(_metadata(controller, reference, options, took))
+        told = _metadata(controller, reference, options, took)
+        return recorder.recording(told, events=changes, wrenches=wrenches)
 
     title = f"{type(controller).__name__}, {arm.name}"
     with reporting(progress, title) as report, kept_on_interrupt(recording):
@@ -188,7 +207,7 @@ def simulate(
                 except (TypeError, ValueError) as error:
                     cause = error
                 tick = Tick(t, (q_d, v_d, a_d), measured, commanded, driven)
-                fault = fault_of(tick, arm, disturbance, plant.stage_times(t, period))
+                fault = fault_of(tick, arm, push, plant.stage_times(t, period))
                 if fault is not None:
                     raise fault from cause
                 if cause is not None:
@@ -220,23 +239,6 @@ def _checked_reference(arm: Arm, reference: Reference) -> tuple[Array, Array, Ar
         checks.finite_vector("reference v_d", v_d, arm.nv),
         checks.finite_vector("reference a_d", a_d, arm.nv),
     )
-
-
-def _checked_disturbance(arm: Arm, disturbance: Disturbance | None) -> Disturbance | None:
-    if disturbance is None:
-        return None
-    checks.finite_vector("disturbance", disturbance(0.0), arm.nv)
-
-    def checked(t: float) -> ArrayLike:
-        """Refuse what would be spread over the joints in silence."""
-        value = disturbance(t)
-        if np.shape(value) != (arm.nv,):
-            raise ArgumentError(
-                "disturbance", value, f"at t = {t:.6g} s it {flaw(value, (arm.nv,))}"
-            )
-        return value
-
-    return checked
 
 
 def _metadata(

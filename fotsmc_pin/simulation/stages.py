@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from fotsmc_pin.compiled import kernel
-from fotsmc_pin.simulation.dry_friction import TABLE_ROWS, slide
+from fotsmc_pin.simulation.dry_friction import DEFLECTION, TABLE_ROWS, slide
 
 if TYPE_CHECKING:
     from fotsmc_pin.types import Array
@@ -20,6 +20,8 @@ Q0, V0, TAU, Q_STAGE, V_STAGE, STEP, SUM_V, SUM_A, LOAD = range(9)
 DISTURBANCE, DAMPING, FRICTION, EXCESS, STRIBECK, WIDTH, LIMIT = range(9, 16)
 TABLE = slice(16, 16 + TABLE_ROWS)
 """Rows of the table of joints with friction or springs; as many as joints follow to factorise."""
+CONSTANTS = slice(DAMPING, TABLE.start + DEFLECTION)
+"""Rows that an arm gives and no step changes: from its damping to the table's joint state."""
 ROWS = 16 + TABLE_ROWS
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any
 
-from fotsmc_pin.view.visuals import PAYLOAD
+from fotsmc_pin.arms.payload import payload_masses
+from fotsmc_pin.view.marks import marks_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -56,6 +57,7 @@ def run_facts(rec: Recording) -> list[tuple[str, list[str]]]:
         ("changed in it", list(arm.changes)),
         ("on loading", list(arm.notes)),
         ("payload", [words.removeprefix("payload ") for words in payloads(arm)]),
+        ("happens", [mark.told for mark in marks_of([rec])]),
         ("nominal arm", told.get("nominal_arm")),
         ("control law", told.get("controller")),
         ("preset", told.get("preset")),
@@ -76,12 +78,7 @@ def run_facts(rec: Recording) -> list[tuple[str, list[str]]]:
 
 def payloads(arm: Arm) -> list[str]:
     """Return the payloads that hang on an arm, with their masses."""
-    found = []
-    for name, link in arm.tree.links.items():
-        mass = link.find("inertial/mass") if name.startswith(PAYLOAD) else None
-        if mass is not None:
-            found.append(f"payload {float(mass.get('value', '0')):.4g} kg")
-    return found
+    return [f"payload {mass:.4g} kg" for mass in payload_masses(arm.tree).values()]
 
 
 def counted(number: int, thing: str) -> str:

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import base64
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fotsmc_pin.view.curves import thinned_curves
 from fotsmc_pin.view.framing import Framing, framing
+from fotsmc_pin.view.marks import marks_of
 from fotsmc_pin.view.mesh_files import PICTURES
 from fotsmc_pin.view.meshes import GRID_STEPS, Mesh, thinned
+from fotsmc_pin.view.mid_run import arrow_tips, pushes_of, with_payloads
 from fotsmc_pin.view.motion import Motion, frame_rows, motion
-from fotsmc_pin.view.palette import GHOST_COLOR, RUN_COLORS
-from fotsmc_pin.view.visuals import Visual, visuals_of
+from fotsmc_pin.view.palette import GHOST_COLOR, PUSH_COLOR, RUN_COLORS
+from fotsmc_pin.view.visuals import visuals_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -22,6 +24,7 @@ if TYPE_CHECKING:
 
     from fotsmc_pin.simulation import Recording
     from fotsmc_pin.view.pack import Pack
+    from fotsmc_pin.view.visuals import Visual
 
 FACES_AT_MOST = {"compact": 140_000, "full": 100_000_000}
 GAP = 0.15
@@ -62,7 +65,8 @@ def shots_of(
         moves = [motion(arm, recording.q[rows]), motion(arm, recording.q_d[rows])]
         if arm not in looks:
             looks[arm] = visuals_of(arm)
-        view = framing(arm, looks[arm], moves)
+        visuals = with_payloads(looks[arm], recording)
+        view = framing(arm, visuals, moves, arrow_tips(recording, moves[0], recording.t[rows]))
         offset = np.zeros(3)
         if side_by_side:
             aside = shots[0].framing.aside if shots else view.aside
@@ -76,7 +80,7 @@ def shots_of(
                 rows=rows,
                 arm=moves[0],
                 ghost=moves[1],
-                visuals=looks[arm],
+                visuals=visuals,
                 framing=view,
                 offset=offset,
             )
@@ -106,7 +110,13 @@ def document(shots: Sequence[Shot], options: Mapping[str, Any], pack: Pack) -> d
         run = _run(shot, options["signals"], pack)
         run["color"] = RUN_COLORS[index % len(RUN_COLORS)]
         run["visuals"] = [
-            {"name": v.name, "joint": v.joint, "mesh": numbers[id(v.mesh)]} for v in shot.visuals
+            {
+                "name": v.name,
+                "joint": v.joint,
+                "mesh": numbers[id(v.mesh)],
+                **({"spans": v.spans} if v.spans else {}),
+            }
+            for v in shot.visuals
         ]
         same_ghost = [run["frames"]["ghost"], run["frames"]["t"], run["offset"]]
         if same_ghost in ghosts:  # One picture of a common reference is enough.
@@ -126,9 +136,7 @@ def _lightened(shots: list[Shot], budget: int) -> list[Shot]:
     return [
         Shot(
             **{key: value for key, value in vars(shot).items() if key != "visuals"},
-            visuals=[
-                Visual(name=v.name, joint=v.joint, mesh=light[id(v.mesh)]) for v in shot.visuals
-            ],
+            visuals=[replace(v, mesh=light[id(v.mesh)]) for v in shot.visuals],
         )
         for shot in shots
     ]
@@ -154,6 +162,8 @@ def _run(shot: Shot, signals: Sequence[str] | None, pack: Pack) -> dict[str, Any
         "joints": list(arm.joint_names),
         "units": {"position": list(arm.position_units), "effort": list(arm.effort_units)},
         "effort_limit": [float(x) if np.isfinite(x) else None for x in arm.effort_limit],
+        "marks": [vars(mark) for mark in marks_of([recording])],
+        "pushes": pushes_of(recording),
         "frames": {
             "t": pack.add(recording.t[rows]),
             "arm": _motion(shot.arm, pack),
@@ -217,4 +227,5 @@ def _view(shots: Sequence[Shot]) -> dict[str, Any]:
         "reach": max(shot.framing.reach for shot in shots),
         "direction": shots[0].framing.direction.tolist(),
         "ghost_color": GHOST_COLOR,
+        "push_color": PUSH_COLOR,
     }

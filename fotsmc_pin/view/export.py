@@ -15,9 +15,16 @@ from fotsmc_pin.progress import Progress, reporting
 from fotsmc_pin.simulation import Recording
 from fotsmc_pin.view.about_run import diverged_runs, lead, payloads, run_facts
 from fotsmc_pin.view.document import Shot, document, shots_of
+from fotsmc_pin.view.marks import marks_of
 from fotsmc_pin.view.pack import Pack
 from fotsmc_pin.view.page import facts_list, page
-from fotsmc_pin.view.palette import GHOST_COLOR, PAYLOAD_COLOR, RUN_COLORS
+from fotsmc_pin.view.palette import (
+    GHOST_COLOR,
+    GREY,
+    PAYLOAD_COLOR,
+    PUSH_COLOR,
+    RUN_COLORS,
+)
 
 Recordings: TypeAlias = (
     Recording | str | PathLike[str] | Sequence[Recording] | Mapping[str, Recording]
@@ -188,7 +195,7 @@ def _heading(what: str, units: Sequence[str]) -> str:
 
 
 def _key(shots: Sequence[Shot]) -> str:
-    """Return the legend of the 3D view as HTML; it tells the payloads too."""
+    """Return the legend of the 3D view as HTML; it tells payloads and what happens too."""
     entries = [
         (color, "line", ", ".join([shot.name, *(payloads(shot.recording.arm) if several else ())]))
         for several in [len(shots) > 1]
@@ -197,6 +204,9 @@ def _key(shots: Sequence[Shot]) -> str:
     if len(shots) == 1:
         entries += [(PAYLOAD_COLOR, "dot", words) for words in payloads(shots[0].recording.arm)]
     entries.append((GHOST_COLOR, "line", "reference"))
+    for mark in marks_of(shot.recording for shot in shots):
+        changes = (PAYLOAD_COLOR, "dot") if mark.words.startswith("payload") else (GREY, "bar")
+        entries.append((*(changes if mark.end is None else (PUSH_COLOR, "line")), mark.told))
     return "".join(
         f'<li><i class="{shape}" style="background:{color}"></i>{html.escape(words)}</li>'
         for color, shape, words in entries

@@ -8,6 +8,7 @@ import numpy as np
 
 from fotsmc_pin.checks import choice
 from fotsmc_pin.view.curves import thinned_curves
+from fotsmc_pin.view.marks import mark_axes
 from fotsmc_pin.view.palette import BLACK, COLORS, GREY
 from fotsmc_pin.view.style import label_axis, label_time, legend_above, new_figure, paper_style
 
@@ -48,6 +49,7 @@ def tracking_figure(recording: Recording, joints: Sequence[int] | None = None) -
             error_inset(right, recording.t, recording.e[:, joint], unit)
         axes[0, 0].legend(loc="best")
         label_time(axes)
+        mark_axes(axes, [recording])
     return figure
 
 
@@ -65,6 +67,7 @@ def velocity_figure(recording: Recording, joints: Sequence[int] | None = None) -
             label_axis(right, "velocity error", unit)
         axes[0, 0].legend(loc="best")
         label_time(axes)
+        mark_axes(axes, [recording])
     return figure
 
 
@@ -78,6 +81,7 @@ def torque_figure(recording: Recording, joints: Sequence[int] | None = None) -> 
             label_axis(panel, _name(recording, joint), recording.arm.effort_units[joint])
             draw_limits(panel, recording, joint)
         label_time(axes)
+        mark_axes(axes, [recording])
     return figure
 
 
@@ -115,6 +119,7 @@ def signal_figure(
             else:
                 label_axis(panel, *labels[column])
         label_time(axes)
+        mark_axes(axes, [recording])
     return figure
 
 
@@ -142,6 +147,7 @@ def overview_figure(recording: Recording) -> Figure:
         if arm.nv > 1:
             legend_above(figure, *(row[0] for row in axes))
         label_time(axes)
+        mark_axes(axes, [recording])
     return figure
 
 
@@ -172,6 +178,7 @@ def comparison_figure(
             row[0].set_title(_name(first, joint), loc="left")
         legend_above(figure, axes[0, 0])
         label_time(axes)
+        mark_axes(axes, recordings.values())
     return figure
 
 

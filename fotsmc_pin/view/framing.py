@@ -55,9 +55,13 @@ class Framing:
         return float(along.min()), float(along.max())
 
 
-def framing(arm: Arm, visuals: Sequence[Visual], motions: Sequence[Motion]) -> Framing:
-    """Choose the view for an arm with these visuals, moving like this."""
+def framing(
+    arm: Arm, visuals: Sequence[Visual], motions: Sequence[Motion], others: Array | None = None
+) -> Framing:
+    """Choose the view for an arm that moves like this, and other points (n, 3) [m]."""
     corners = swept_points(visuals, motions)
+    if others is not None:
+        corners = np.concatenate([corners, others])
     low, high = corners.min(axis=0), corners.max(axis=0)
     reach = max(reach_of(arm), 0.25 * float(np.linalg.norm(high - low)))
     base_height = float(motions[0].position[0, min(1, arm.nv), 2])
@@ -84,7 +88,7 @@ def swept_points(visuals: Sequence[Visual], motions: Sequence[Motion]) -> Array:
             low, high = visual.mesh.box
             corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
             local = low + corners * (high - low)
-            rotation = _rotations(motion.orientation[rows, visual.joint])
+            rotation = rotations(motion.orientation[rows, visual.joint])
             placed = local @ rotation.transpose(0, 2, 1) + motion.position[rows, None, visual.joint]
             points.append(placed.reshape(-1, 3))
     return np.concatenate(points)
@@ -135,7 +139,8 @@ def _some(count: int) -> NDArray[np.int64]:
     return np.unique(np.linspace(0, count - 1, min(count, 40)).astype(np.int64))
 
 
-def _rotations(quaternions: Array) -> Array:
+def rotations(quaternions: Array) -> Array:
+    """Return the rotation matrices (K, 3, 3) of unit quaternions x, y, z, w (K, 4)."""
     x, y, z, w = quaternions.T
     return np.stack(
         [

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
 ASSETS = Path(__file__).parent / "assets"
-SCRIPTS = ("data", "geometry", "arms", "stage", "charts", "readout", "player", "main")
+SCRIPTS = ("data", "geometry", "pushes", "arms", "stage", "charts", "readout", "player", "main")
 
 
 def page(document: Mapping[str, Any], arrays: str, texts: Mapping[str, str]) -> str:

@@ -21,3 +21,6 @@ GHOST_COLOR = "#35a3e0"
 
 # The ball that stands for a payload; `perturb` writes it into the URDF.
 PAYLOAD_COLOR = "#2970B8"
+
+# Wrenches: arrows in the page and shades in the plots.
+PUSH_COLOR = "#D81B60"

@@ -10,6 +10,7 @@ from xml.etree.ElementTree import ParseError
 
 import numpy as np
 
+from fotsmc_pin.arms.payload import PREFIX
 from fotsmc_pin.view import shapes
 from fotsmc_pin.view.mesh_files import read_collada, read_stl
 from fotsmc_pin.view.meshes import Mesh
@@ -18,9 +19,6 @@ from fotsmc_pin.view.skeleton import skeleton
 if TYPE_CHECKING:
     from fotsmc_pin.arms import Arm
     from fotsmc_pin.view.meshes import Color
-
-# Links that `perturb` hangs on an arm show a ball; they alone do not make a picture of the arm.
-PAYLOAD = "payload_"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -31,11 +29,13 @@ class Visual:
         name: the URDF's name for it.
         joint: index of the joint in the model; 0 is the world.
         mesh: the triangles, in the joint's frame [m].
+        spans: when it is there, from and until [s], None for the run's end; always where empty.
     """
 
     name: str
     joint: int
     mesh: Mesh
+    spans: tuple[tuple[float, float | None], ...] = ()
 
 
 def visuals_of(arm: Arm) -> list[Visual]:
@@ -51,7 +51,8 @@ def visuals_of(arm: Arm) -> list[Visual]:
         items = []
     found = [_visual(item) for item in items]
     drawn = [visual for visual in found if visual is not None]
-    if any(not visual.name.startswith(PAYLOAD) for visual in drawn):
+    # Payloads show a ball; they alone do not make a picture of the arm.
+    if any(not visual.name.startswith(PREFIX) for visual in drawn):
         return drawn
     bones = [
         Visual(name=name, joint=joint, mesh=mesh)

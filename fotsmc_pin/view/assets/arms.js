@@ -12,12 +12,22 @@ class Figure {
       this.root.add(body);
       return body;
     });
-    run.visuals.forEach((visual) => dress(visual, this.bodies[visual.joint]));
+    this.passing = [];
+    run.visuals.forEach((visual) => {
+      const body = this.bodies[visual.joint];
+      if (!visual.spans) return dress(visual, body);
+      const holder = new THREE.Group();
+      body.add(holder);
+      this.passing.push({ holder, spans: visual.spans });
+      dress(visual, holder);
+    });
     parent.add(this.root);
   }
 
-  // `place` is an interval of frames as `locate` gives it.
-  move(place) {
+  // `place` is the interval of frames that holds `time`, as `locate` gives it.
+  move(place, time) {
+    for (const { holder, spans } of this.passing)
+      holder.visible = spans.some(([from, until]) => time >= from && (until === null || time < until));
     const { position, orientation } = this.placements;
     const turned = new THREE.Quaternion();
     const read = (array, joint, width, k, row) => array[(joint * width + k) * this.frames + row];
@@ -91,6 +101,7 @@ class Run {
         });
       });
     }
+    this.pushes = run.pushes.map((push) => new Push(this.figure.root, push, view.push_color));
     const rows = run.frames.t.length;
     const line = (color, place) => new THREE.MeshBasicMaterial({ color, toneMapped: false, ...behind(place) });
     this.path = new Path(this.root, run.frames.tool, rows, 0.0032 * size, line(this.color, index));
@@ -105,11 +116,12 @@ class Run {
     const place = locate(this.run.frames.t, time);
     const asked = ghost && sharers.some((run) => run.shown);
     this.figure.root.visible = this.shown;
-    this.figure.move(place);
+    this.figure.move(place, time);
+    this.pushes.forEach((push) => push.move(this.figure.bodies, time));
     this.path.grow(place, this.shown ? paths : "off");
     if (this.ghost) {
       this.ghost.root.visible = asked;
-      this.ghost.move(place);
+      this.ghost.move(place, time);
     }
     if (this.reference) this.reference.grow(place, asked ? paths : "off");
   }

@@ -15,7 +15,8 @@ class Chart {
     new ResizeObserver(() => this.resize()).observe(this.host);
   }
 
-  // content: { title, unit, lines: [{ label, color, t, y }], limits: [{ value, color }], log }
+  // content: { title, unit, lines: [{ label, color, t, y }], limits: [{ value, color }], log,
+  // marks: [{ time, end, color }] }
   draw(content, time) {
     this.content = content;
     this.caption.textContent = `${content.title} [${content.unit}]${content.note ?? ""}`;
@@ -80,7 +81,7 @@ class Chart {
           label, stroke: color, width: 1.4, pxAlign: 0, points: { show: false }, spanGaps: true,
         })),
       ],
-      hooks: { draw: [(plot) => limits.forEach((limit) => drawLimit(plot, limit)), () => this.place()] },
+      hooks: { drawClear: [(plot) => content.marks.forEach((mark) => drawMark(plot, mark))], draw: [(plot) => limits.forEach((limit) => drawLimit(plot, limit)), () => this.place()] },
     };
   }
 
@@ -154,6 +155,18 @@ function drawLimit(plot, { value, color }) {
   plot.ctx.moveTo(left, y);
   plot.ctx.lineTo(left + width, y);
   plot.ctx.stroke();
+  plot.ctx.restore();
+}
+
+// A line where something happens, a shade while it lasts.
+function drawMark(plot, { time, end, color }) {
+  const { left, top, width, height } = plot.bbox;
+  const inside = (t) => Math.min(Math.max(plot.valToPos(t, "x", true), left), left + width);
+  const begin = inside(time);
+  plot.ctx.save();
+  plot.ctx.fillStyle = color;
+  if (end !== null) plot.ctx.globalAlpha = 0.22;
+  plot.ctx.fillRect(begin, top, end === null ? 1.4 * devicePixelRatio : inside(end) - begin, height);
   plot.ctx.restore();
 }
 

@@ -17,7 +17,7 @@ async function start() {
     return new Run(stage.root, run, { index, count: data.runs.length }, stage);
   });
   const look = { time: 0, ghost: data.options.ghost, paths: data.options.paths };
-  const readout = new Readout(page, runs, (time) => player.seek(time));
+  const readout = new Readout(page, runs, data.view, (time) => player.seek(time));
   const show = (time = look.time) => {
     look.time = time;
     runs.forEach((run, index) => run.show(look, runs.filter(({ run }, k) => (run.ghost_of ?? k) === index)));
@@ -108,6 +108,9 @@ function handle({ data, runs, stage, player, readout }) {
       const body = figure.bodies[run.run.bodies.indexOf(joint)];
       return { position: body.position.toArray(), quaternion: body.quaternion.toArray() };
     },
+    // What is to be seen of the middle of a run now: payloads that hang, wrenches that act.
+    payloads: (name) => runs[runOf(name)].figure.passing.filter(({ holder }) => holder.visible).map(({ holder }) => holder.children[0].name),
+    pushes: (name) => runs[runOf(name)].pushes.map((push) => ({ share: push.share(player.time), position: push.root.position.toArray() })),
     tool: (name) => runs[runOf(name)].path.head.position.toArray(),
     links: (name) => data.runs[runOf(name)].visuals.map((visual) => visual.name),
     showLink(link, visible, name) {

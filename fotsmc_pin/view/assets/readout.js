@@ -7,7 +7,8 @@ const JOINT_COLORS = {
 };
 
 class Readout {
-  constructor(page, runs, onSeek) {
+  constructor(page, runs, { push_color: pushColor }, onSeek) {
+    this.pushColor = pushColor;
     this.runs = runs;
     this.several = runs.length > 1;
     this.onSeek = onSeek;
@@ -121,6 +122,14 @@ class Readout {
     );
   }
 
+  // What happens in the runs that are shown, as the plots mark it.
+  marks() {
+    const muted = getComputedStyle(document.documentElement).getPropertyValue("--muted").trim();
+    const shown = this.runs.filter((run) => !this.several || run.shown);
+    return shown.flatMap(({ run }) => run.marks)
+      .map(({ time, end }) => ({ time, end, color: end === null ? muted : this.pushColor }));
+  }
+
   limitNote(unit) {
     const { effort_limit: limit } = this.runs[0].run;
     const joints = this.jointsOf(this.runs[0], unit);
@@ -147,6 +156,7 @@ class Readout {
       content.signal = { title, unit: "–", lines: this.lines("signal"), limits: [], log: false };
     }
     for (const [kind, item] of Object.entries(content)) {
+      item.marks = this.marks();
       if (item.lines.length) this.charts[kind].draw(item, time);
       this.charts[kind].host.hidden = item.lines.length === 0;
     }
