@@ -27,6 +27,9 @@ from .fractional import (
     FractionalDerivative as FractionalDerivative,
     FractionalIntegral as FractionalIntegral,
 )
+from .learning import (
+    ModelLearning as ModelLearning,
+)
 from .simulation import (
     PlantChange as PlantChange,
     Recording as Recording,

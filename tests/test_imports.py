@@ -31,8 +31,18 @@ MAY_IMPORT = {
     "simulation": {"control", "fractional", "arms", "references"},
     "analysis": {"simulation", "control", "fractional", "arms", "references"},
     "realtime": {"simulation", "control", "fractional", "arms", "references"},
-    "evaluation": {"analysis", "simulation", "control", "fractional", "arms", "references"},
+    "learning": {"analysis", "simulation", "control", "fractional", "arms", "references"},
+    "evaluation": {
+        "learning",
+        "analysis",
+        "simulation",
+        "control",
+        "fractional",
+        "arms",
+        "references",
+    },
     "view": {
+        "learning",
         "evaluation",
         "analysis",
         "simulation",
@@ -43,6 +53,7 @@ MAY_IMPORT = {
     },
     "paper": {
         "view",
+        "learning",
         "evaluation",
         "analysis",
         "simulation",
@@ -56,7 +67,7 @@ MAY_IMPORT = {
 
 # References: a straight line of the tool needs inverse kinematics.
 KEEPERS = {
-    "pinocchio": {"arms", "simulation", "control", "view", "references"},
+    "pinocchio": {"arms", "simulation", "control", "learning", "view", "references"},
     "meshcat": {"view"},
     "matplotlib": {"view"},
 }
