@@ -116,19 +116,15 @@ class RobustFONFTSM(Controller[RobustFONFTSMGains]):
         n = x.e.size
 
         # What the last tick did: the disturbance, the floor that it calls for, the rotors.
-        if m.ticks[0] == 0.0:
-            for i in range(n):
-                m.e_dot_a[i] = x.e_dot[i]
-        else:
+        for i in range(n):
+            gained = 0.0 if m.ticks[0] == 0.0 else x.e_dot[i] - m.last_e_dot[i]
+            m.a_e[i] = gained / dt
+            w.missed[i] = g.observer[i] * (m.step[i] - gained)
+        if m.ticks[0] > 0.0:
             unexplained(dt, M0, h0, m.J, x.v, m.last_v, x.tau, m.lacking)
             smooth(dt, OBSERVER_RATE, m.lacking, m.d)
             raise_floor(dt, x.e, M0, m.d, g.floor_share, g.floor_limit, m.mean_d, m.delta)
-            for i in range(n):
-                m.a_e[i] = (x.e_dot[i] - m.last_e_dot[i]) / dt
-                m.c[i] += m.J[i] * m.y[i]
             search_rotor(dt, x, g.rotor_limit, m)
-            for i in range(n):
-                m.c[i] -= m.J[i] * m.y[i]  # The torque stays what it was.
         for i in range(n):
             m.last_v[i], m.last_e_dot[i] = x.v[i], x.e_dot[i]
             m.ticks[i] += 1.0
@@ -145,15 +141,21 @@ class RobustFONFTSM(Controller[RobustFONFTSMGains]):
                 g.theta[i] * (w.S[i] + sig(w.S[i], g.mu)) + slope * bend**3 * x.e_dot[i] + m.z[i]
             )
 
-        # a = a_d - I^{α,σ} w,   u = a + K (ė_a - ė),   τ = (M0 + J) u + δ y + c + C0 v + G0
+        # a = a_d - I^{α,σ} w,   Δu = Δa + K (step - Δė),   τ = M0 a + T + C0 v + G0
         gain = predict(integral, integral_memory, dt, w.a)
         for i in range(n):
             w.a[i] = x.a_d[i] - w.a[i] - gain * w.w[i]
-            w.u[i] = w.a[i] + g.observer[i] * (m.e_dot_a[i] - x.e_dot[i])
+            change = w.a[i] - m.last_a[i] + w.missed[i]
             share = g.floor_rate[i] * dt / (1.0 + g.floor_rate[i] * dt)
-            m.y[i] += share * (w.u[i] - m.y[i])
-            w.excess[i] = h0[i] + m.c[i] + m.J[i] * w.u[i] + m.delta[i] * m.y[i]
-        inverse_dynamics(M0, w.excess, w.u, x.effort_limit, x.tau, w.excess)
+            slow = share * (m.fast[i] + change)
+            m.fast[i] += change - slow
+            m.T[i] += m.J[i] * change + m.delta[i] * slow
+            for j in range(n):
+                m.T[i] += M0[i, j] * w.missed[j]
+            m.T[i] = clip(m.T[i], 2.0 * x.effort_limit[i])
+            m.last_a[i] = w.a[i]
+            w.excess[i] = h0[i] + m.T[i]
+        inverse_dynamics(M0, w.excess, w.a, x.effort_limit, x.tau, w.excess)
         for i in range(n):
             w.push[i] = (x.tau[i] + w.excess[i] - h0[i]) / (M0[i, i] + m.J[i] + m.delta[i])
         watch_standstill(dt, x, w.push, m)
@@ -171,6 +173,5 @@ class RobustFONFTSM(Controller[RobustFONFTSMGains]):
             # No more than brings the command back to the limit, or fast loops swing up behind it.
             share = min(1.0, 1.0 / max(g.observer[i] * dt, 1e-9))
             followed = w.a[i] - x.a_d[i] - share * (unfollowed / inertia)
-            step = dt * (1.0 - m.rest[i] * m.held[i]) * followed
-            m.e_dot_a[i] = clip(m.e_dot_a[i] + step, LARGEST)
+            m.step[i] = dt * (1.0 - m.rest[i] * m.held[i]) * followed
         commit(integral, integral_memory, w.w, dt)

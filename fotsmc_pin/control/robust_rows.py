@@ -13,8 +13,9 @@ class State(NamedTuple):
 
     Attributes:
         z: second integral, in place of the sign [rad s^-(3-α)].
-        e_dot_a: speed error `ė_a` that was commanded [rad/s].
-        y: commanded acceleration below `ω_f` [rad/s²].
+        step: change of the speed error that was commanded over the last tick [rad/s].
+        fast: command `u` above `ω_f` [rad/s²].
+        last_a: commanded acceleration of the last tick [rad/s²].
         last_v: velocity of the last tick [rad/s].
         d: disturbance that the momentum observer sees [N·m].
         mean_d: lasting part of it [N·m].
@@ -22,7 +23,7 @@ class State(NamedTuple):
         rest: `ρ`, 1 where the reference rests.
         last_e_dot: speed error of the last tick [rad/s].
         J: rotor inertia that was found [kg·m²].
-        c: torque that keeps the sum continuous while `J` moves [N·m].
+        T: torque beyond the nominal model's [N·m].
         ticks: how many there were.
         smooth_e: smoothed error [rad].
         smooth_u: smoothed command [rad/s²].
@@ -49,8 +50,9 @@ class State(NamedTuple):
     """
 
     z: Array
-    e_dot_a: Array
-    y: Array
+    step: Array
+    fast: Array
+    last_a: Array
     last_v: Array
     d: Array
     mean_d: Array
@@ -58,7 +60,7 @@ class State(NamedTuple):
     rest: Array
     last_e_dot: Array
     J: Array
-    c: Array
+    T: Array
     ticks: Array
     smooth_e: Array
     smooth_u: Array
@@ -91,14 +93,14 @@ class Work(NamedTuple):
         S: sliding variable [rad s^-(1+α)].
         w: integrand of the fractional integral.
         a: commanded acceleration [rad/s²].
-        u: acceleration that is asked for, with what is missing [rad/s²].
-        excess: torque beside `M0 u`; then what was cut off [N·m].
+        missed: what was commanded and not done over the last tick, times `K` [rad/s²].
+        excess: torque beside `M0 a`; then what was cut off [N·m].
         push: what the torque beside `C0 v + G0` would accelerate the joint with alone [rad/s²].
     """
 
     S: Array
     w: Array
     a: Array
-    u: Array
+    missed: Array
     excess: Array
     push: Array
