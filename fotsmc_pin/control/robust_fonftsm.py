@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from fotsmc_pin.control.gain_keywords import RobustFONFTSMKeywords
     from fotsmc_pin.types import Array
 
-FADING = 5.0
+FADING = 20.0
 """Rate at which the second integral is emptied where the reference rests [1/s]."""
 
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 SLOW, GENTLE = 0.02, 0.2
 """Speed [rad/s] and acceleration [rad/s²] below which a reference counts as at rest."""
-REST_RATE = 10.0
+REST_RATE = 30.0
 """Rate at which rest is believed, and doubted [1/s]."""
 SMOOTHING = 20.0
 """Bandwidth in which position and command are watched [rad/s]."""
