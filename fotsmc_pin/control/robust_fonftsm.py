@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
 FADING = 20.0
 """Rate at which the second integral is emptied where the reference rests [1/s]."""
+STILLING = 20.0
+"""Rate at which the torque that a held joint would get is brought to the one that it has [1/s]."""
 
 
 class RobustFONFTSM(Controller[RobustFONFTSMGains]):
@@ -157,21 +159,25 @@ class RobustFONFTSM(Controller[RobustFONFTSMGains]):
             w.excess[i] = h0[i] + m.T[i]
         inverse_dynamics(M0, w.excess, w.a, x.effort_limit, x.tau, w.excess)
         for i in range(n):
-            w.push[i] = (x.tau[i] + w.excess[i] - h0[i]) / (M0[i, i] + m.J[i] + m.delta[i])
-        watch_standstill(dt, x, w.push, m)
+            # A joint that friction holds: its torque stays, whatever noise and its neighbours ask.
+            still = m.rest[i] * m.held[i] * (m.smooth_u[i] + h0[i] - x.tau[i])
+            m.T[i] += STILLING * dt * still
+            x.tau[i] += still
+            w.push[i] = x.tau[i] + w.excess[i] - h0[i]
+            w.inertia[i] = M0[i, i] + m.J[i] + m.delta[i]
+        watch_standstill(dt, x, w.push, w.inertia, m)
 
         # What the actuator cannot follow does not enter the memories; nor what friction holds.
         for i in range(n):
             unfollowed = w.excess[i] if g.anti_windup else 0.0
-            inertia = M0[i, i] + m.J[i] + m.delta[i]
             if unfollowed != 0.0:
-                w.w[i] = unwound(w.w[i], unfollowed, gain * inertia)
+                w.w[i] = unwound(w.w[i], unfollowed, gain * w.inertia[i])
             ratio, idle = w.S[i] / g.boundary_layer[i], m.rest[i] * (1.0 - m.kept[i])
             rate = (1.0 - idle) * g.integral[i] * ratio / (1.0 + ratio * ratio)
             rate -= FADING * idle * m.z[i]
             m.z[i] = integrated(m.z[i], rate, dt, unfollowed)
             # No more than brings the command back to the limit, or fast loops swing up behind it.
             share = min(1.0, 1.0 / max(g.observer[i] * dt, 1e-9))
-            followed = w.a[i] - x.a_d[i] - share * (unfollowed / inertia)
+            followed = w.a[i] - x.a_d[i] - share * (unfollowed / w.inertia[i])
             m.step[i] = dt * (1.0 - m.rest[i] * m.held[i]) * followed
         commit(integral, integral_memory, w.w, dt)

@@ -26,9 +26,9 @@ class State(NamedTuple):
         T: torque beyond the nominal model's [N·m].
         ticks: how many there were.
         smooth_e: smoothed error [rad].
-        smooth_u: smoothed command [rad/s²].
+        smooth_u: smoothed torque beside `C0 v + G0` [N·m].
         last_e: smoothed error when the joint last moved [rad].
-        last_u: smoothed command when it last moved or stuck [rad/s²].
+        last_u: smoothed torque when it last moved or stuck [N·m].
         stuck_e: error at which it last stuck [rad].
         slips: slips past the goal since the reference came to rest.
         allowed: error that may be left beyond `NEAR`, where friction makes it hunt [rad].
@@ -95,7 +95,8 @@ class Work(NamedTuple):
         a: commanded acceleration [rad/s²].
         missed: what was commanded and not done over the last tick, times `K` [rad/s²].
         excess: torque beside `M0 a`; then what was cut off [N·m].
-        push: what the torque beside `C0 v + G0` would accelerate the joint with alone [rad/s²].
+        push: torque beside `C0 v + G0` [N·m].
+        inertia: the joint's own, with what is added [kg·m²].
     """
 
     S: Array
@@ -104,3 +105,4 @@ class Work(NamedTuple):
     missed: Array
     excess: Array
     push: Array
+    inertia: Array

@@ -52,7 +52,7 @@ def follow_rest(dt: float, x: Joints, rest: Array) -> None:
 
 
 @kernel(is_part=True)
-def watch_standstill(dt: float, x: Joints, push: Array, m: State) -> None:
+def watch_standstill(dt: float, x: Joints, push: Array, inertia: Array, m: State) -> None:
     """Find the joints that stick (`held`), and those that have been exact all along (`kept`).
 
     A joint sticks while the command changes by more than `PUSHED` and it has not moved by `MOVED`:
@@ -79,7 +79,7 @@ def watch_standstill(dt: float, x: Joints, push: Array, m: State) -> None:
             m.kept[i] = 0.0
         if m.rest[i] < 0.5 or abs(m.smooth_e[i] - m.last_e[i]) > MOVED:
             m.last_e[i], m.last_u[i], m.held[i] = m.smooth_e[i], m.smooth_u[i], 0.0
-        elif m.held[i] == 0.0 and abs(m.smooth_u[i] - m.last_u[i]) > PUSHED:
+        elif m.held[i] == 0.0 and abs(m.smooth_u[i] - m.last_u[i]) > PUSHED * inertia[i]:
             error, before = m.smooth_e[i], m.stuck_e[i]
             if error * before < 0.0:
                 m.slips[i] += 1.0
