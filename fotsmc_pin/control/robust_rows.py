@@ -33,6 +33,7 @@ class State(NamedTuple):
         slips: slips past the goal since the reference came to rest.
         allowed: error that may be left beyond `NEAR`, where friction makes it hunt [rad].
         kept: `κ`, 1 where the error has been negligible since the reference came to rest.
+        stuck: 1 where friction holds the joint.
         held: `h`, 1 where friction holds the joint near its goal.
         a_1: first stage of the band-pass of the acceleration [rad/s²].
         a_2: second stage.
@@ -70,6 +71,7 @@ class State(NamedTuple):
     slips: Array
     allowed: Array
     kept: Array
+    stuck: Array
     held: Array
     a_1: Array
     a_2: Array

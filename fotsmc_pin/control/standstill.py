@@ -26,7 +26,7 @@ SMOOTHING = 20.0
 """Bandwidth in which position and command are watched [rad/s]."""
 MOVED = 3e-5
 """Travel after which a joint has moved [rad]: above an encoder's noise once that is smoothed."""
-PUSHED = 0.5
+PUSHED = 0.3
 """Change of the commanded acceleration that moves a joint which nothing holds [rad/s²].
 
 In `1 / SMOOTHING` seconds it moves a free joint of ten times the nominal inertia by 60 µrad.
@@ -78,8 +78,10 @@ def watch_standstill(dt: float, x: Joints, push: Array, inertia: Array, m: State
         elif abs(x.e[i]) > NEGLIGIBLE:
             m.kept[i] = 0.0
         if m.rest[i] < 0.5 or abs(m.smooth_e[i] - m.last_e[i]) > MOVED:
-            m.last_e[i], m.last_u[i], m.held[i] = m.smooth_e[i], m.smooth_u[i], 0.0
+            m.last_e[i], m.last_u[i] = m.smooth_e[i], m.smooth_u[i]
+            m.stuck[i] = m.held[i] = 0.0
         elif m.held[i] == 0.0 and abs(m.smooth_u[i] - m.last_u[i]) > PUSHED * inertia[i]:
+            m.stuck[i] = 1.0
             error, before = m.smooth_e[i], m.stuck_e[i]
             if error * before < 0.0:
                 m.slips[i] += 1.0
