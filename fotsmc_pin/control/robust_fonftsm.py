@@ -16,7 +16,7 @@ from fotsmc_pin.control.robust_gains import RobustFONFTSMGains, scaled
 from fotsmc_pin.control.robust_rows import State, Work
 from fotsmc_pin.control.rotor_search import search_rotor
 from fotsmc_pin.control.rows import rows
-from fotsmc_pin.control.standstill import follow_rest, watch_standstill
+from fotsmc_pin.control.standstill import NEAR, follow_rest, watch_standstill
 from fotsmc_pin.control.torque_limits import integrated, inverse_dynamics, unwound
 from fotsmc_pin.fractional.advance import advance, commit, predict
 
@@ -177,10 +177,12 @@ class RobustFONFTSM(Controller[RobustFONFTSMGains]):
             ratio, idle = w.S[i] / g.boundary_layer[i], m.rest[i] * (1.0 - m.kept[i])
             rate = (1.0 - idle) * g.integral[i] * ratio / (1.0 + ratio * ratio)
             rate -= FADING * idle * m.z[i]
-            m.z[i] = integrated(m.z[i], rate, dt, unfollowed)
+            z = integrated(m.z[i], rate, dt, unfollowed)
+            m.z[i] = (1.0 - m.rest[i] * m.stuck[i]) * z
             # No more than brings the command back to the limit, or fast loops swing up behind it.
             share = min(1.0, 1.0 / max(g.observer[i] * dt, 1e-9))
             followed = w.a[i] - x.a_d[i] - share * (unfollowed / w.inertia[i])
-            pace = HURRY * m.stuck[i] * (1.0 - m.held[i]) - m.held[i]
+            off = min(max(abs(x.e[i]) / NEAR - 1.0, 0.0), 1.0)
+            pace = HURRY * off * m.stuck[i] * (1.0 - m.held[i]) - m.held[i]
             m.step[i] = dt * (1.0 + m.rest[i] * pace) * followed
         commit(integral, integral_memory, w.w, dt)

@@ -22,8 +22,8 @@ SLOW, GENTLE = 0.02, 0.2
 """Speed [rad/s] and acceleration [rad/s²] below which a reference counts as at rest."""
 REST_RATE = 30.0
 """Rate at which rest is believed, and doubted [1/s]."""
-SMOOTHING = 20.0
-"""Bandwidth in which position and command are watched [rad/s]."""
+WATCHING, SMOOTHING = 100.0, 20.0
+"""Bandwidths in which position and torque are watched [rad/s]."""
 MOVED = 3e-5
 """Travel after which a joint has moved [rad]: above an encoder's noise once that is smoothed."""
 PUSHED = 0.3
@@ -68,10 +68,11 @@ def watch_standstill(dt: float, x: Joints, push: Array, inertia: Array, m: State
             the commanded acceleration, which moves while an inertia that was added is taken away.
         m: the law's state.
     """
-    share = SMOOTHING * dt / (1.0 + SMOOTHING * dt)
+    watching = WATCHING * dt / (1.0 + WATCHING * dt)
+    smoothing = SMOOTHING * dt / (1.0 + SMOOTHING * dt)
     for i in range(push.size):
-        m.smooth_e[i] += share * (x.e[i] - m.smooth_e[i])
-        m.smooth_u[i] += share * (push[i] - m.smooth_u[i])
+        m.smooth_e[i] += watching * (x.e[i] - m.smooth_e[i])
+        m.smooth_u[i] += smoothing * (push[i] - m.smooth_u[i])
         if m.rest[i] < 0.5:
             m.stuck_e[i] = m.slips[i] = m.allowed[i] = 0.0
             m.kept[i] = 1.0
