@@ -45,6 +45,7 @@ class State(NamedTuple):
         tt: recent mean of the squared torque in the band.
         ta: recent mean of their product.
         swings: changes of sign in the present oscillation.
+        peak: largest acceleration in the band since it last changed its sign [rad/s²].
         last_moved: acceleration in the band at the last tick [rad/s²].
         lacking: torque that the model leaves unexplained over the last tick [N·m].
         a_e: acceleration beyond the reference's over the last tick [rad/s²].
@@ -83,6 +84,7 @@ class State(NamedTuple):
     tt: Array
     ta: Array
     swings: Array
+    peak: Array
     last_moved: Array
     lacking: Array
     a_e: Array

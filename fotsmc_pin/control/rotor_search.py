@@ -33,6 +33,8 @@ LIKENESS = 0.7
 """Correlation of torque and acceleration from which on inertia is what joins them."""
 SWINGS = 4
 """Changes of sign that make an oscillation: a transient has fewer."""
+WIDE = 0.5
+"""Peak of a swing over the recent RMS acceleration: noise after a transient swings less."""
 RISE, FALL = 0.8, 20.0
 """Rates at which missing inertia is made up, and at which surplus is taken away [1/s].
 
@@ -84,9 +86,11 @@ def search_rotor(dt: float, x: Joints, largest: Array, m: State) -> None:
         m.tt[i] += forgetting * (torque * torque - m.tt[i])
         m.ta[i] += forgetting * (torque * moved - m.ta[i])
         aa, tt, ta = m.aa[i], m.tt[i], m.ta[i]
+        m.peak[i] = max(m.peak[i], abs(moved))
+        turns = moved * m.last_moved[i] < 0.0
         if aa > OSCILLATION**2 and abs(ta) > LIKENESS * math.sqrt(aa * tt):
-            if moved * m.last_moved[i] < 0.0:
-                m.swings[i] += 1.0
+            if turns:
+                m.swings[i] = m.swings[i] + 1.0 if m.peak[i] > WIDE * math.sqrt(aa) else 0.0
             if m.swings[i] > SWINGS:
                 pace = RISE / (1.0 + (x.e[i] / FAR) ** 2) if ta > 0.0 else FALL
                 found = min(max(m.J[i] + min(pace * dt, 1.0) * ta / aa, 0.0), largest[i])
@@ -99,4 +103,6 @@ def search_rotor(dt: float, x: Joints, largest: Array, m: State) -> None:
                 m.ta[i] -= more * aa
         else:
             m.swings[i] = 0.0
+        if turns:
+            m.peak[i] = 0.0
         m.last_moved[i] = moved
