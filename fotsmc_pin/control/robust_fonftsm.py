@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 
 FADING = 20.0
 """Rate at which the second integral is emptied where the reference rests [1/s]."""
-HURRY = 2.0
-"""How much faster than else the integral works on a joint that sticks off its goal."""
+URGENT = 8e-4
+"""Error as on which the integral works at least where a joint sticks off its goal [rad]."""
 STILLING = 20.0
 """Rate at which the torque that a held joint would get is brought to the one that it has [1/s]."""
 
@@ -182,7 +182,7 @@ class RobustFONFTSM(Controller[RobustFONFTSMGains]):
             # No more than brings the command back to the limit, or fast loops swing up behind it.
             share = min(1.0, 1.0 / max(g.observer[i] * dt, 1e-9))
             followed = w.a[i] - x.a_d[i] - share * (unfollowed / w.inertia[i])
-            off = min(max(abs(x.e[i]) / NEAR - 1.0, 0.0), 1.0)
-            pace = HURRY * off * m.stuck[i] * (1.0 - m.held[i]) - m.held[i]
+            haste = max(URGENT / max(abs(m.smooth_e[i]), NEAR), 1.0) - 1.0
+            pace = m.stuck[i] * haste * (1.0 - m.held[i]) - m.held[i]
             m.step[i] = dt * (1.0 + m.rest[i] * pace) * followed
         commit(integral, integral_memory, w.w, dt)
