@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 FADING = 20.0
 """Rate at which the second integral is emptied where the reference rests [1/s]."""
-URGENT = 8e-4
+URGENT = 6e-4
 """Error as on which the integral works at least where a joint sticks off its goal [rad]."""
 STILLING = 20.0
 """Rate at which the torque that a held joint would get is brought to the one that it has [1/s]."""
@@ -87,6 +87,7 @@ class RobustFONFTSM(Controller[RobustFONFTSMGains]):
         "rest": "rest",
         "rotor": "J",
     }
+    torque_rows: ClassVar[tuple[str, ...]] = ("T",)
 
     if TYPE_CHECKING:
 
@@ -156,7 +157,7 @@ class RobustFONFTSM(Controller[RobustFONFTSMGains]):
             m.T[i] += m.J[i] * change + m.delta[i] * slow
             for j in range(n):
                 m.T[i] += M0[i, j] * w.missed[j]
-            m.T[i] = clip(m.T[i], 2.0 * x.effort_limit[i])
+            m.T[i] = clip(m.T[i], LARGEST)
             m.last_a[i] = w.a[i]
             w.excess[i] = h0[i] + m.T[i]
         inverse_dynamics(M0, w.excess, w.a, x.effort_limit, x.tau, w.excess)
@@ -164,7 +165,7 @@ class RobustFONFTSM(Controller[RobustFONFTSMGains]):
             # A joint that friction holds: its torque stays, whatever noise and its neighbours ask.
             still = m.rest[i] * m.held[i] * (m.smooth_u[i] + h0[i] - x.tau[i])
             m.T[i] += STILLING * dt * still
-            x.tau[i] += still
+            x.tau[i] = clip(x.tau[i] + still, x.effort_limit[i])
             w.push[i] = x.tau[i] + w.excess[i] - h0[i]
             w.inertia[i] = M0[i, i] + m.J[i] + m.delta[i]
         watch_standstill(dt, x, w.push, w.inertia, m)

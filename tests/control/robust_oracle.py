@@ -6,9 +6,9 @@ from fotsmc_pin.fractional import FractionalDerivative, FractionalIntegral
 
 DT = 1e-3
 ZERO_AT_THE_START = (
-    *("z", "y", "d", "mean_d", "delta", "rest", "J", "c", "e_smooth", "u_smooth", "e_moved"),
-    *("u_moved", "e_stuck", "slips", "allowed", "kept", "held"),
-    *("swings", "moved", "aa", "tt", "ta"),
+    *("z", "y", "u", "d", "mean_d", "delta", "rest", "J", "T", "e_smooth", "u_smooth", "e_moved"),
+    *("u_moved", "e_stuck", "slips", "allowed", "kept", "stuck", "held"),
+    *("swings", "peak", "moved", "aa", "tt", "ta", "last_a", "step"),
 )
 
 
@@ -34,33 +34,41 @@ class RobustOracle:
         options = {"order": g.alpha, "dt": DT, "tempering": g.tempering * factor}
         self.derivative = FractionalDerivative(**options).stream(n)
         self.integral = FractionalIntegral(**options).stream(n)
-        names = (
-            "z y d mean_d delta rest J c e_smooth u_smooth e_moved u_moved e_stuck slips allowed"
-        )
-        for name in f"{names} kept held swings moved aa tt ta".split():
+        for name in ZERO_AT_THE_START:
             setattr(self, name, np.zeros(n))
-        self.e_dot_a = None
+        self.last_e_dot = None
         self.a_band, self.tau_band = np.zeros((3, n)), np.zeros((3, n))
 
     def __call__(self, x):
-        if self.e_dot_a is None:
-            self.e_dot_a = x.e_dot.copy()
-        else:
+        self.missed = np.zeros_like(x.e)
+        if self.last_e_dot is not None:
             self.look_back(x)
         self.last_v, self.last_e_dot = x.v, x.e_dot
         still = np.exp(-((x.v_d / 0.02) ** 2) - (x.a_d / 0.2) ** 2)
-        self.rest = low_pass(self.rest, still, 10.0)
+        self.rest = low_pass(self.rest, still, 30.0)
         S, w = self.reach(x)
         a = x.a_d - self.integral.update(w)
-        u = a + self.K * (self.e_dot_a - x.e_dot)
-        self.y = low_pass(self.y, u, self.floor_rate)
-        self.tau = x.inverse_dynamics(u) + self.J * u + self.delta * self.y + self.c
-        self.watch(x, (self.tau - x.h0) / (np.diag(x.M0) + self.J + self.delta))
+        self.torque(x, a)
+        self.watch(x, self.tau - x.h0, np.diag(x.M0) + self.J + self.delta)
         idle = self.rest * (1.0 - self.kept)
         bounded = (S / self.phi) / (1.0 + (S / self.phi) ** 2)
-        self.z = self.z + DT * ((1.0 - idle) * self.b * bounded - 5.0 * idle * self.z)
-        self.e_dot_a = self.e_dot_a + DT * (1.0 - self.rest * self.held) * (a - x.a_d)
+        self.z = self.z + DT * ((1.0 - idle) * self.b * bounded - 20.0 * idle * self.z)
+        self.z = self.z * (1.0 - self.rest * self.stuck)
+        haste = np.maximum(6e-4 / np.maximum(np.abs(self.e_smooth), 1.5e-4), 1.0)
+        pace = np.where(self.held > 0.0, 0.0, np.where(self.stuck > 0.0, haste, 1.0))
+        self.step = DT * ((1.0 - self.rest) + self.rest * pace) * (a - x.a_d)
         return self.tau
+
+    def torque(self, x, a):
+        """What is beyond the model is a torque of its own, and only changes are added to it."""
+        u, y = self.u + (a - self.last_a) + self.missed, self.y
+        self.y = low_pass(y, u, self.floor_rate)
+        self.T = self.T + x.M0 @ self.missed + self.J * (u - self.u) + self.delta * (self.y - y)
+        self.u, self.last_a = u, a
+        tau = x.inverse_dynamics(a) + self.T
+        still = self.rest * self.held * (x.h0 + self.u_smooth - tau)
+        self.T = self.T + 20.0 * DT * still
+        self.tau = tau + still
 
     def reach(self, x):
         """The surface and the integrand of the fractional integral."""
@@ -83,9 +91,9 @@ class RobustOracle:
         target = np.minimum(g.floor_share * met, g.floor_limit)
         rate = np.where(target > self.delta, 3.0 / (1.0 + far), 0.15)
         self.delta = self.delta + DT * rate * (target - self.delta)
-        before = self.J.copy()
-        self.search(x.e, lacking, (x.e_dot - self.last_e_dot) / DT)
-        self.c = self.c - (self.J - before) * self.y
+        gained = x.e_dot - self.last_e_dot
+        self.search(x.e, lacking, gained / DT)
+        self.missed = self.K * (self.step - gained)
 
     def search(self, e, lacking, acceleration):
         """Inertia from oscillation: least squares of torque on acceleration in a band."""
@@ -100,7 +108,11 @@ class RobustOracle:
         alike = np.abs(self.ta) > 0.7 * np.sqrt(self.aa * self.tt)
         oscillates = (self.aa > 0.3**2) & alike
         turned = moved * self.moved < 0.0
-        self.swings = np.where(oscillates, self.swings + turned, 0.0)
+        self.peak = np.maximum(self.peak, np.abs(moved))
+        wide = self.peak > 0.5 * np.sqrt(self.aa)
+        counted = np.where(turned, np.where(wide, self.swings + 1.0, 0.0), self.swings)
+        self.swings = np.where(oscillates, counted, 0.0)
+        self.peak = np.where(turned, 0.0, self.peak)
         for i in np.flatnonzero(oscillates & (self.swings > 4)):
             pace = 0.8 / (1.0 + (e[i] / 0.2) ** 2) if self.ta[i] > 0.0 else 20.0
             wanted = self.J[i] + pace * DT * self.ta[i] / self.aa[i]
@@ -111,25 +123,23 @@ class RobustOracle:
             self.ta[i] -= more * self.aa[i]
         self.moved = moved
 
-    def watch(self, x, u):
+    def watch(self, x, push, inertia):
         """Joints that friction holds near their goal, and those that have been exact all along."""
-        self.e_smooth = low_pass(self.e_smooth, x.e, 20.0)
-        self.u_smooth = low_pass(self.u_smooth, u, 20.0)
-        for i in range(u.size):
+        self.e_smooth = low_pass(self.e_smooth, x.e, 100.0)
+        self.u_smooth = low_pass(self.u_smooth, push, 20.0)
+        for i in range(push.size):
             moving = self.rest[i] < 0.5
             if moving:
                 self.e_stuck[i] = self.slips[i] = self.allowed[i] = 0.0
             self.kept[i] = 1.0 if moving else self.kept[i] * (abs(x.e[i]) <= 1e-5)
             if moving or abs(self.e_smooth[i] - self.e_moved[i]) > 3e-5:
-                self.e_moved[i], self.u_moved[i], self.held[i] = (
-                    self.e_smooth[i],
-                    self.u_smooth[i],
-                    0,
-                )
-            elif not self.held[i] and abs(self.u_smooth[i] - self.u_moved[i]) > 0.5:
+                self.e_moved[i], self.u_moved[i] = self.e_smooth[i], self.u_smooth[i]
+                self.stuck[i] = self.held[i] = 0.0
+            elif not self.held[i] and abs(self.u_smooth[i] - self.u_moved[i]) > 0.3 * inertia[i]:
                 self.sticks(i)
 
     def sticks(self, i):
+        self.stuck[i] = 1.0
         error, before = self.e_smooth[i], self.e_stuck[i]
         if error * before < 0.0:
             self.slips[i] += 1
