@@ -81,7 +81,10 @@ def watch_standstill(dt: float, x: Joints, push: Array, inertia: Array, m: State
         if m.rest[i] < 0.5 or abs(m.smooth_e[i] - m.last_e[i]) > MOVED:
             m.last_e[i], m.last_u[i] = m.smooth_e[i], m.smooth_u[i]
             m.stuck[i] = m.held[i] = 0.0
-        elif m.held[i] == 0.0 and abs(m.smooth_u[i] - m.last_u[i]) > PUSHED * inertia[i]:
+        elif (
+            m.kept[i] + m.held[i] == 0.0
+            and abs(m.smooth_u[i] - m.last_u[i]) > PUSHED * inertia[i]
+        ):
             m.stuck[i] = 1.0
             error, before = m.smooth_e[i], m.stuck_e[i]
             if error * before < 0.0:

@@ -135,8 +135,9 @@ class RobustOracle:
             if moving or abs(self.e_smooth[i] - self.e_moved[i]) > 3e-5:
                 self.e_moved[i], self.u_moved[i] = self.e_smooth[i], self.u_smooth[i]
                 self.stuck[i] = self.held[i] = 0.0
-            elif not self.held[i] and abs(self.u_smooth[i] - self.u_moved[i]) > 0.3 * inertia[i]:
-                self.sticks(i)
+            elif not (self.held[i] or self.kept[i]):
+                if abs(self.u_smooth[i] - self.u_moved[i]) > 0.3 * inertia[i]:
+                    self.sticks(i)
 
     def sticks(self, i):
         self.stuck[i] = 1.0
