@@ -29,6 +29,8 @@ FADING = 20.0
 """Rate at which the second integral is emptied where the reference rests [1/s]."""
 URGENT = 6e-4
 """Error as on which the integral works at least where a joint sticks off its goal [rad]."""
+LASTING = 1.0 / 600.0
+"""Rate over `K` at which what the observer adds becomes a torque that does not turn with the arm."""
 STILLING = 20.0
 """Rate at which the torque that a held joint would get is brought to the one that it has [1/s]."""
 
@@ -146,7 +148,7 @@ class RobustFONFTSM(Controller[RobustFONFTSMGains]):
                 g.theta[i] * (w.S[i] + sig(w.S[i], g.mu)) + slope * bend**3 * x.e_dot[i] + m.z[i]
             )
 
-        # a = a_d - I^{α,σ} w,   Δu = Δa + K (step - Δė),   τ = M0 a + T + C0 v + G0
+        # a = a_d - I^{α,σ} w,   b = K (ė_a - ė),   τ = M0 (a + b) + T + C0 v + G0
         gain = predict(integral, integral_memory, dt, w.a)
         for i in range(n):
             w.a[i] = x.a_d[i] - w.a[i] - gain * w.w[i]
@@ -155,12 +157,18 @@ class RobustFONFTSM(Controller[RobustFONFTSMGains]):
             slow = share * (m.fast[i] + change)
             m.fast[i] += change - slow
             m.T[i] += m.J[i] * change + m.delta[i] * slow
+            m.last_a[i] = w.a[i]
+            m.b[i] += w.missed[i]
+            pace = LASTING * g.observer[i] * dt
+            w.missed[i] = pace / (1.0 + pace) * m.b[i]
+            m.b[i] = clip(m.b[i] - w.missed[i], LARGEST)
+            w.u[i] = w.a[i] + m.b[i]
+        for i in range(n):
             for j in range(n):
                 m.T[i] += M0[i, j] * w.missed[j]
             m.T[i] = clip(m.T[i], LARGEST)
-            m.last_a[i] = w.a[i]
             w.excess[i] = h0[i] + m.T[i]
-        inverse_dynamics(M0, w.excess, w.a, x.effort_limit, x.tau, w.excess)
+        inverse_dynamics(M0, w.excess, w.u, x.effort_limit, x.tau, w.excess)
         for i in range(n):
             # A joint that friction holds: its torque stays, whatever noise and its neighbours ask.
             still = m.rest[i] * m.held[i] * (m.smooth_u[i] + h0[i] - x.tau[i])

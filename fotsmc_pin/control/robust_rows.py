@@ -14,6 +14,7 @@ class State(NamedTuple):
     Attributes:
         z: second integral, in place of the sign [rad s^-(3-α)].
         step: change of the speed error that was commanded over the last tick [rad/s].
+        b: acceleration that the observer adds and `T` has not taken over [rad/s²].
         fast: command `u` above `ω_f` [rad/s²].
         last_a: commanded acceleration of the last tick [rad/s²].
         last_v: velocity of the last tick [rad/s].
@@ -53,6 +54,7 @@ class State(NamedTuple):
 
     z: Array
     step: Array
+    b: Array
     fast: Array
     last_a: Array
     last_v: Array
@@ -97,7 +99,9 @@ class Work(NamedTuple):
         S: sliding variable [rad s^-(1+α)].
         w: integrand of the fractional integral.
         a: commanded acceleration [rad/s²].
-        missed: what was commanded and not done over the last tick, times `K` [rad/s²].
+        missed: what was commanded and not done over the last tick, times `K`;
+            then what `T` takes over [rad/s²].
+        u: acceleration that is asked for [rad/s²].
         excess: torque beside `M0 a`; then what was cut off [N·m].
         push: torque beside `C0 v + G0` [N·m].
         inertia: the joint's own, with what is added [kg·m²].
@@ -107,6 +111,7 @@ class Work(NamedTuple):
     w: Array
     a: Array
     missed: Array
+    u: Array
     excess: Array
     push: Array
     inertia: Array

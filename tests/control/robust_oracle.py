@@ -8,7 +8,7 @@ DT = 1e-3
 ZERO_AT_THE_START = (
     *("z", "y", "u", "d", "mean_d", "delta", "rest", "J", "T", "e_smooth", "u_smooth", "e_moved"),
     *("u_moved", "e_stuck", "slips", "allowed", "kept", "stuck", "held"),
-    *("swings", "peak", "moved", "aa", "tt", "ta", "last_a", "step"),
+    *("swings", "peak", "moved", "aa", "tt", "ta", "last_a", "step", "added"),
 )
 
 
@@ -63,9 +63,11 @@ class RobustOracle:
         """What is beyond the model is a torque of its own, and only changes are added to it."""
         u, y = self.u + (a - self.last_a) + self.missed, self.y
         self.y = low_pass(y, u, self.floor_rate)
-        self.T = self.T + x.M0 @ self.missed + self.J * (u - self.u) + self.delta * (self.y - y)
+        before = self.added + self.missed
+        self.added = low_pass(before, 0.0, self.K / 600.0)
+        self.T = self.T + x.M0 @ (before - self.added) + self.J * (u - self.u) + self.delta * (self.y - y)
         self.u, self.last_a = u, a
-        tau = x.inverse_dynamics(a) + self.T
+        tau = x.inverse_dynamics(a + self.added) + self.T
         still = self.rest * self.held * (x.h0 + self.u_smooth - tau)
         self.T = self.T + 20.0 * DT * still
         self.tau = tau + still
