@@ -76,7 +76,7 @@ class _Tick:
             start += part.size
 
     def _by_joint(self, part: Array) -> Array:
-        return np.linalg.solve(self._mass, part) if self._is_torque(part) else part
+        return np.array(np.linalg.solve(self._mass, part)) if self._is_torque(part) else part
 
     def _is_torque(self, part: Array) -> bool:
         return any(part is torque for torque in self._torques)

@@ -30,7 +30,7 @@ FADING = 20.0
 URGENT = 6e-4
 """Error as on which the integral works at least where a joint sticks off its goal [rad]."""
 LASTING = 1.0 / 600.0
-"""Rate over `K` at which what the observer adds becomes a torque that does not turn with the arm."""
+"""Rate over `K` at which what the observer adds becomes a torque that does not turn with `M0`."""
 STILLING = 20.0
 """Rate at which the torque that a held joint would get is brought to the one that it has [1/s]."""
 
@@ -46,21 +46,26 @@ class RobustFONFTSM(Controller[RobustFONFTSMGains]):
     The law is a commanded acceleration:
 
         w = Θ S + Θ sig(S)^μ + (A + λ (p/q) |ς|^{p/q-1}) ς'(e) ė + z
-        ż = (1 - η) b x / (1 + x²) - 5 η z,   x = S/φ,   η = ρ (1 - κ)
-        a = a_d - I^{α,σ} w,   ë_a = (1 - ρ h) (a - a_d),   u = a + K (ė_a - ė)
+        ż = (1 - η) b x / (1 + x²) - 20 η z,   x = S/φ,   η = ρ (1 - κ)
+        a = a_d - I^{α,σ} w,   ḃ = K (π (a - a_d) - ë) - β b,   u̇ = ȧ + K (π (a - a_d) - ë)
 
-    `K (ė_a - ė)` is a disturbance observer of bandwidth `K` in units of acceleration, and the
-    loop's first integral. `z` is the second, in place of a sign. Two integrals hunt against dry
-    friction and bear less inertia; so `z` is emptied where the reference rests (`ρ = 1`), unless
-    the error has been below 10 µrad ever since (`κ = 1`). A joint that dry friction holds near its
-    goal (`h = 1`) is left in peace (`standstill`). The torque:
+    Without `β`, `b` is `K (ė_a - ė)` with `ë_a = π (a - a_d)`: a disturbance observer of bandwidth
+    `K` in units of acceleration, and the loop's first integral. `z` is the second, in place of a
+    sign. Two integrals hunt against dry friction and bear less inertia; so `z` is emptied where the
+    reference rests (`ρ = 1`), unless the error has been below 10 µrad ever since (`κ = 1`), and at
+    once on a joint that sticks. The torque:
 
-        τ = (M0 + J) u + δ ∘ y + c + C0 v + G0,   ẏ = ω_f (u - y),   ċ = -J̇ ∘ y
+        τ = M0 (a + b) + T + C0 v + G0,   Ṫ = β M0 b + J ∘ u̇ + δ ∘ ẏ,   ẏ = ω_f (u - y)
 
-    `J` is what the nominal inertia lacks where a joint oscillates (`rotor_search`); `c` keeps the
-    torque continuous while `J` moves. The floor `δ` rises where the momentum observer meets
-    friction (`inertia_floor`). Where a torque limit cuts in, the fractional integral, `z` and
-    `ė_a` take in only what was followed.
+    `J` is what the nominal inertia lacks where a joint oscillates (`rotor_search`). The floor `δ`
+    rises where the momentum observer meets friction (`inertia_floor`). Both multiply changes of the
+    command only: while they move themselves, no torque does. What lasts, such as weight, is taken
+    over by the torque `T` at the rate `β = K/600`, and does not turn with the arm from then on.
+
+    At rest, a joint that dry friction holds near its goal (`h = 1`) is left in peace
+    (`standstill`): its integral stops (`π = 1 - ρ h`) and its torque stays as it was. On one that
+    sticks off its goal the integral works as on 0.6 mrad at least. Where a torque limit cuts in,
+    the fractional integral, `z` and `b` take in only what was followed.
 
     With `J = 0` the loop bears true inertias from 0.136 to 4.97 times the nominal one in motion
     and to 12.6 times at rest (1 kHz, one tick of delay; `fotsmc_pin.analysis.margins`). Above, a

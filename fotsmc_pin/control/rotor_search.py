@@ -57,7 +57,8 @@ def search_rotor(dt: float, x: Joints, largest: Array, m: State) -> None:
 
     The torque that the model with `J` leaves unexplained and the acceleration beyond the
     reference's pass the same band-pass. With means over the last quarter of a second, what is
-    missing is `⟨τ a⟩ / ⟨a²⟩`, the least-squares estimate; after `SWINGS` of an oscillation
+    missing is `⟨τ a⟩ / ⟨a²⟩`, the least-squares estimate; after `SWINGS` of an oscillation,
+    each with a peak above half the RMS acceleration (a transient leaves large means behind),
 
         J̇ = 0.8 ⟨τ a⟩ / ⟨a²⟩ upward, 20 ⟨τ a⟩ / ⟨a²⟩ downward,   0 ≤ J ≤ largest.
 

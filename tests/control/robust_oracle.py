@@ -65,7 +65,12 @@ class RobustOracle:
         self.y = low_pass(y, u, self.floor_rate)
         before = self.added + self.missed
         self.added = low_pass(before, 0.0, self.K / 600.0)
-        self.T = self.T + x.M0 @ (before - self.added) + self.J * (u - self.u) + self.delta * (self.y - y)
+        self.T = (
+            self.T
+            + x.M0 @ (before - self.added)
+            + self.J * (u - self.u)
+            + self.delta * (self.y - y)
+        )
         self.u, self.last_a = u, a
         tau = x.inverse_dynamics(a + self.added) + self.T
         still = self.rest * self.held * (x.h0 + self.u_smooth - tau)
@@ -137,9 +142,10 @@ class RobustOracle:
             if moving or abs(self.e_smooth[i] - self.e_moved[i]) > 3e-5:
                 self.e_moved[i], self.u_moved[i] = self.e_smooth[i], self.u_smooth[i]
                 self.stuck[i] = self.held[i] = 0.0
-            elif not (self.held[i] or self.kept[i]):
-                if abs(self.u_smooth[i] - self.u_moved[i]) > 0.3 * inertia[i]:
-                    self.sticks(i)
+                continue
+            pushed = abs(self.u_smooth[i] - self.u_moved[i]) > 0.3 * inertia[i]
+            if pushed and not (self.held[i] or self.kept[i]):
+                self.sticks(i)
 
     def sticks(self, i):
         self.stuck[i] = 1.0
