@@ -29,7 +29,7 @@ FADING = 20.0
 """Rate at which the second integral is emptied where the reference rests [1/s]."""
 URGENT = 6e-4
 """Error as on which the integral works at least where a joint sticks off its goal [rad]."""
-LASTING = 1.0 / 600.0
+LASTING = 1.0 / 1500.0
 """Rate over `K` at which what the observer adds becomes a torque that does not turn with `M0`."""
 STILLING = 20.0
 """Rate at which the torque that a held joint would get is brought to the one that it has [1/s]."""
@@ -60,7 +60,7 @@ class RobustFONFTSM(Controller[RobustFONFTSMGains]):
     `J` is what the nominal inertia lacks where a joint oscillates (`rotor_search`). The floor `δ`
     rises where the momentum observer meets friction (`inertia_floor`). Both multiply changes of the
     command only: while they move themselves, no torque does. What lasts, such as weight, is taken
-    over by the torque `T` at the rate `β = K/600`, and does not turn with the arm from then on.
+    over by the torque `T` at the rate `β = K/1500`, and does not turn with the arm from then on.
 
     At rest, a joint that dry friction holds near its goal (`h = 1`) is left in peace
     (`standstill`): its integral stops (`π = 1 - ρ h`) and its torque stays as it was. On one that

@@ -64,7 +64,7 @@ class RobustOracle:
         u, y = self.u + (a - self.last_a) + self.missed, self.y
         self.y = low_pass(y, u, self.floor_rate)
         before = self.added + self.missed
-        self.added = low_pass(before, 0.0, self.K / 600.0)
+        self.added = low_pass(before, 0.0, self.K / 1500.0)
         self.T = (
             self.T
             + x.M0 @ (before - self.added)
