@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING, ClassVar, Unpack
 
 from fotsmc_pin.compiled import kernel
+from fotsmc_pin.control.approach import lead
 from fotsmc_pin.control.arguments import LARGEST
 from fotsmc_pin.control.controller import Controller, SignalRows, Streams
 from fotsmc_pin.control.fractional_surface import derivative, integral
@@ -36,7 +37,10 @@ class RobustFONFTSM(Controller[RobustFONFTSMGains]):
 
         S = D^{α,σ} ė + A ς(e) + λ sig(ς(e))^{p/q}
 
-    Far away `ė` ends at `(A ē + λ ē^{p/q}) / σ^α`: `ē` follows from the velocity limits.
+    Far away `ė` ends at `(A ē + λ ē^{p/q}) / σ^α`: `ē` follows from the velocity limits. Beyond
+    `v_a / 100 s`, with 0.8 of them as `v_a`, the rest of the error is a way `e_g` on which a point
+    leads the joint home and waits for it (`approach`): `e`, `ė` and `a_d` below are those to that
+    point, so that nothing winds up on the way, whatever friction and inertia the joint has.
     The law is a commanded acceleration:
 
         w = Θ S + Θ sig(S)^μ + (A + λ (p/q) |ς|^{p/q-1}) ς'(e) ė + z
@@ -51,9 +55,9 @@ class RobustFONFTSM(Controller[RobustFONFTSMGains]):
 
         τ = (M0 + J) u + δ ∘ y + c + C0 v + G0,   ẏ = ω_f (u - y),   ċ = -J̇ ∘ y
 
-    `J` is what the nominal inertia lacks where a joint oscillates (`rotor_search`); `c` keeps the
-    torque continuous while `J` moves. The floor `δ` rises where the momentum observer meets
-    friction (`inertia_floor`). Where a torque limit cuts in, the fractional integral, `z` and
+    `J` is what the nominal inertia lacks where a joint oscillates or brakes (`rotor_search`); `c`
+    keeps the torque continuous while `J` moves. The floor `δ` rises where the momentum observer
+    meets friction (`inertia_floor`). Where a torque limit cuts in, the fractional integral, `z` and
     `ė_a` take in only what was followed.
 
     With `J = 0` the loop bears true inertias from 0.136 to 4.97 times the nominal one in motion
@@ -114,19 +118,20 @@ class RobustFONFTSM(Controller[RobustFONFTSMGains]):
         """One tick; `tau` still holds the torque of the last one."""
         x, g, m, w = rows(table, RobustFONFTSMGains, State, Work)
         n = x.e.size
+        lead(dt, x, g.approach, g.approach_rate, m, w)
 
         # What the last tick did: the disturbance, the floor that it calls for, the rotors.
         if m.ticks[0] == 0.0:
             for i in range(n):
-                m.e_dot_a[i] = x.e_dot[i]
+                m.e_dot_a[i] = w.near_dot[i]
         else:
             unexplained(dt, M0, h0, m.J, x.v, m.last_v, x.tau, m.lacking)
             smooth(dt, OBSERVER_RATE, m.lacking, m.d)
-            raise_floor(dt, x.e, M0, m.d, g.floor_share, g.floor_limit, m.mean_d, m.delta)
+            raise_floor(dt, w.passing, M0, m.d, g.floor_share, g.floor_limit, m.mean_d, m.delta)
             for i in range(n):
                 m.a_e[i] = (x.e_dot[i] - m.last_e_dot[i]) / dt
                 m.c[i] += m.J[i] * m.y[i]
-            search_rotor(dt, x, g.rotor_limit, m)
+            search_rotor(dt, x, g.rotor_limit, g.rotor_doubt, m)
             for i in range(n):
                 m.c[i] -= m.J[i] * m.y[i]  # The torque stays what it was.
         for i in range(n):
@@ -135,21 +140,21 @@ class RobustFONFTSM(Controller[RobustFONFTSMGains]):
         follow_rest(dt, x, m.rest)
 
         # S = D^{α,σ} ė + A ς(e) + λ sig(ς(e))^{p/q}
-        advance(derivative, derivative_memory, x.e_dot, dt, w.S)
+        advance(derivative, derivative_memory, w.near_dot, dt, w.S)
         for i in range(n):
-            bend = 1.0 / math.sqrt(1.0 + (x.e[i] / g.reach[i]) ** 2)
-            near = bend * x.e[i]
-            w.S[i] += g.A[i] * near + g.lam[i] * sig(near, g.power)
-            slope = g.A[i] + g.lam[i] * g.power * abs(near) ** (g.power - 1.0)
+            bend = 1.0 / math.sqrt(1.0 + (w.near[i] / g.reach[i]) ** 2)
+            bent = bend * w.near[i]
+            w.S[i] += g.A[i] * bent + g.lam[i] * sig(bent, g.power)
+            slope = g.A[i] + g.lam[i] * g.power * abs(bent) ** (g.power - 1.0)
             w.w[i] = (
-                g.theta[i] * (w.S[i] + sig(w.S[i], g.mu)) + slope * bend**3 * x.e_dot[i] + m.z[i]
+                g.theta[i] * (w.S[i] + sig(w.S[i], g.mu)) + slope * bend**3 * w.near_dot[i] + m.z[i]
             )
 
         # a = a_d - I^{α,σ} w,   u = a + K (ė_a - ė),   τ = (M0 + J) u + δ y + c + C0 v + G0
         gain = predict(integral, integral_memory, dt, w.a)
         for i in range(n):
-            w.a[i] = x.a_d[i] - w.a[i] - gain * w.w[i]
-            w.u[i] = w.a[i] + g.observer[i] * (m.e_dot_a[i] - x.e_dot[i])
+            w.a[i] = w.near_a_d[i] - w.a[i] - gain * w.w[i]
+            w.u[i] = w.a[i] + g.observer[i] * (m.e_dot_a[i] - w.near_dot[i])
             share = g.floor_rate[i] * dt / (1.0 + g.floor_rate[i] * dt)
             m.y[i] += share * (w.u[i] - m.y[i])
             w.excess[i] = h0[i] + m.c[i] + m.J[i] * w.u[i] + m.delta[i] * m.y[i]
@@ -170,7 +175,7 @@ class RobustFONFTSM(Controller[RobustFONFTSMGains]):
             m.z[i] = integrated(m.z[i], rate, dt, unfollowed)
             # No more than brings the command back to the limit, or fast loops swing up behind it.
             share = min(1.0, 1.0 / max(g.observer[i] * dt, 1e-9))
-            followed = w.a[i] - x.a_d[i] - share * (unfollowed / inertia)
+            followed = w.a[i] - w.near_a_d[i] - share * (unfollowed / inertia)
             step = dt * (1.0 - m.rest[i] * m.held[i]) * followed
             m.e_dot_a[i] = clip(m.e_dot_a[i] + step, LARGEST)
         commit(integral, integral_memory, w.w, dt)

@@ -46,6 +46,8 @@ class State(NamedTuple):
         last_moved: acceleration in the band at the last tick [rad/s²].
         lacking: torque that the model leaves unexplained over the last tick [N·m].
         a_e: acceleration beyond the reference's over the last tick [rad/s²].
+        way: way `e_g` from the reference to the point that leads the joint home [rad].
+        way_speed: its rate [rad/s].
     """
 
     z: Array
@@ -82,12 +84,18 @@ class State(NamedTuple):
     last_moved: Array
     lacking: Array
     a_e: Array
+    way: Array
+    way_speed: Array
 
 
 class Work(NamedTuple):
     """What one tick fills.
 
     Attributes:
+        near: error `ε` behind the point that leads the joint home; `e` where it is small [rad].
+        near_dot: its rate `ε̇` [rad/s].
+        near_a_d: acceleration of that point [rad/s²].
+        passing: error at which the inertia floor takes what a joint meets for passing [rad].
         S: sliding variable [rad s^-(1+α)].
         w: integrand of the fractional integral.
         a: commanded acceleration [rad/s²].
@@ -96,6 +104,10 @@ class Work(NamedTuple):
         push: what the torque beside `C0 v + G0` would accelerate the joint with alone [rad/s²].
     """
 
+    near: Array
+    near_dot: Array
+    near_a_d: Array
+    passing: Array
     S: Array
     w: Array
     a: Array
