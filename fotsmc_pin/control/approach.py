@@ -25,6 +25,9 @@ LARGEST_ERROR = 0.08
 """Largest error of a joint behind the point that leads it, over `v_a / κ`."""
 SMOOTHNESS = 3.6
 """Rate at which the leading point takes on its speed, over `κ`; from 4 on it never overshoots."""
+BRAKING, LEAST_SPARE = 0.3, 0.1
+"""Share of the torque beside gravity with which a joint is to brake, for the true arm is heavier;
+and the least of the effort limit that is taken to be left beside gravity."""
 NEGLIGIBLE, SLOW = 1e-6, 1e-4
 """Way [rad] and speed [rad/s] at which it has arrived; far below any noise."""
 
@@ -36,15 +39,19 @@ def speed_of_limits(arm: Arm) -> Array:
 
 
 @kernel(is_part=True)
-def lead(dt: float, x: Joints, speed: Array, rate: Array, m: State, w: Work) -> None:
+def lead(
+    dt: float, x: Joints, M0: Array, h0: Array, speed: Array, rate: Array, m: State, w: Work
+) -> None:
     """Move the way `e_g` (nv,) by one tick, and write what the surface is to see.
 
     With the error `ε = e - e_g` behind the leading point, of which `|ε| ≤ ε_max = 0.08 v_a / κ` is
     left to the surface (`e_g` takes up the rest at once):
 
-        ë_g = 3.6 κ (-(1 - η) v_a e_g / √(e_g² + (v_a/κ)²) - ė_g)
+        ë_g = 3.6 κ (-(1 - η) v(|e_g|) sign(e_g) - ė_g)
+        v(x) = min(v_a x / √(x² + (v_a/κ)²), √(2 · 0.3 (τ_max - |h0|) x / M0_ii))
 
-    `η = (ε / ε_max)²` where the joint lags, 0 where it is ahead: the point waits for it.
+    `η = (ε / ε_max)²` where the joint lags, 0 where it is ahead: the point waits for it. From the
+    second speed the joint can stop with 0.3 of the torque that it has.
 
     What a joint meets on its way passes, such as the weight of a payload at other poses, and the
     inertia floor is not to learn it. But a joint that does not follow has met what the floor is
@@ -53,6 +60,8 @@ def lead(dt: float, x: Joints, speed: Array, rate: Array, m: State, w: Work) -> 
     Args:
         dt: time since the last tick [s].
         x: rows of the joints, for the error, its rate and the reference's acceleration.
+        M0: nominal mass matrix (nv, nv).
+        h0: nominal `C0 v + G0` (nv,).
         speed: `v_a` (nv,) [rad/s]; inf leaves the whole error to the surface.
         rate: `κ` (nv,) [1/s], at which the way ends.
         m: the law's state, for `e_g` and `ė_g`.
@@ -69,7 +78,10 @@ def lead(dt: float, x: Joints, speed: Array, rate: Array, m: State, w: Work) -> 
             part, part_dot = error / largest, (x.e_dot[i] - m.way_speed[i]) / (rate[i] * largest)
             lag = min(part * part + part_dot * part_dot, 1.0)
             waits = part * part if error * m.way[i] > 0.0 else 0.0
-            wanted = -(1.0 - waits) * speed[i] * m.way[i] / math.hypot(m.way[i], width)
+            spare = max(x.effort_limit[i] - abs(h0[i]), LEAST_SPARE * x.effort_limit[i])
+            stops = math.sqrt(2.0 * BRAKING * spare / M0[i, i] * abs(m.way[i]))
+            most = min(speed[i] * abs(m.way[i]) / math.hypot(m.way[i], width), stops)
+            wanted = -math.copysign((1.0 - waits) * most, m.way[i])
             follow = SMOOTHNESS * rate[i]
             acceleration = follow / (1.0 + follow * dt) * (wanted - m.way_speed[i])
             m.way_speed[i] += dt * acceleration

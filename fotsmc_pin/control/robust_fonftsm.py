@@ -118,7 +118,7 @@ class RobustFONFTSM(Controller[RobustFONFTSMGains]):
         """One tick; `tau` still holds the torque of the last one."""
         x, g, m, w = rows(table, RobustFONFTSMGains, State, Work)
         n = x.e.size
-        lead(dt, x, g.approach, g.approach_rate, m, w)
+        lead(dt, x, M0, h0, g.approach, g.approach_rate, m, w)
 
         # What the last tick did: the disturbance, the floor that it calls for, the rotors.
         if m.ticks[0] == 0.0:

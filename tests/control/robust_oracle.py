@@ -24,7 +24,8 @@ def low_pass(x, target, rate):
 class RobustOracle:
     """The law as its docstring states it; call it with one tick's terms, get the torque."""
 
-    def __init__(self, g, n):
+    def __init__(self, g, n, effort_limit=np.inf):
+        self.effort_limit = effort_limit
         factor = g.bandwidth * min(1.0, 1.44e-3 / DT)
         surface = factor ** (1.0 + g.alpha)
         self.g = g
@@ -72,7 +73,10 @@ class RobustOracle:
         self.way = np.where(np.abs(x.e - self.way) > most, x.e - error, self.way)
         on_the_way = self.way != 0.0
         waiting = np.where(error * self.way > 0.0, (error / most) ** 2, 0.0)
-        wanted = -(1.0 - waiting) * speed * self.way / np.sqrt(self.way**2 + width**2)
+        spare = np.maximum(self.effort_limit - np.abs(x.h0), 0.1 * self.effort_limit)
+        stops = np.sqrt(0.6 * spare / np.diag(x.M0)) * np.sqrt(np.maximum(np.abs(self.way), 1e-99))
+        led = np.minimum(speed * np.abs(self.way) / np.sqrt(self.way**2 + width**2), stops)
+        wanted = -(1.0 - waiting) * led * np.sign(self.way)
         follows = (error / most) ** 2 + ((x.e_dot - self.way_speed) / (rate * most)) ** 2
         before = self.way_speed
         self.way_speed = np.where(on_the_way, low_pass(before, wanted, 3.6 * rate), before)
