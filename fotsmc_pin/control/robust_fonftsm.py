@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING, ClassVar, Unpack
 
 from fotsmc_pin.compiled import kernel
+from fotsmc_pin.control.approach import lead
 from fotsmc_pin.control.arguments import LARGEST
 from fotsmc_pin.control.controller import Controller, SignalRows, Streams
 from fotsmc_pin.control.fractional_surface import derivative, integral
@@ -42,7 +43,10 @@ class RobustFONFTSM(Controller[RobustFONFTSMGains]):
 
         S = D^{α,σ} ė + A ς(e) + λ sig(ς(e))^{p/q}
 
-    Far away `ė` ends at `(A ē + λ ē^{p/q}) / σ^α`: `ē` follows from the velocity limits.
+    Far away `ė` ends at `(A ē + λ ē^{p/q}) / σ^α`: `ē` follows from the velocity limits. Beyond
+    `v_a / 100 s`, with 0.8 of them as `v_a`, the rest of the error is a way `e_g` on which a point
+    leads the joint home and waits for it (`approach`): `e`, `ė` and `a_d` below are those to that
+    point, so that nothing winds up on the way, whatever friction and inertia the joint has.
     The law is a commanded acceleration:
 
         w = Θ S + Θ sig(S)^μ + (A + λ (p/q) |ς|^{p/q-1}) ς'(e) ė + z
@@ -57,10 +61,11 @@ class RobustFONFTSM(Controller[RobustFONFTSMGains]):
 
         τ = M0 (a + b) + T + C0 v + G0,   Ṫ = β M0 b + J ∘ u̇ + δ ∘ ẏ,   ẏ = ω_f (u - y)
 
-    `J` is what the nominal inertia lacks where a joint oscillates (`rotor_search`). The floor `δ`
-    rises where the momentum observer meets friction (`inertia_floor`). Both multiply changes of the
-    command only: while they move themselves, no torque does. What lasts, such as weight, is taken
-    over by the torque `T` at the rate `β = K/1500`, and does not turn with the arm from then on.
+    `J` is what the nominal inertia lacks where a joint oscillates or brakes (`rotor_search`). The
+    floor `δ` rises where the momentum observer meets friction (`inertia_floor`). Both multiply
+    changes of the command only: while they move themselves, no torque does. What lasts, such as
+    weight, is taken over by the torque `T` at the rate `β = K/1500`, and does not turn with the arm
+    from then on.
 
     At rest, a joint that dry friction holds near its goal (`h = 1`) is left in peace
     (`standstill`): its integral stops (`π = 1 - ρ h`) and its torque stays as it was. On one that
@@ -126,37 +131,39 @@ class RobustFONFTSM(Controller[RobustFONFTSMGains]):
         """One tick; `tau` still holds the torque of the last one."""
         x, g, m, w = rows(table, RobustFONFTSMGains, State, Work)
         n = x.e.size
+        lead(dt, x, M0, h0, g.approach, g.approach_rate, m, w)
 
         # What the last tick did: the disturbance, the floor that it calls for, the rotors.
         for i in range(n):
-            gained = 0.0 if m.ticks[0] == 0.0 else x.e_dot[i] - m.last_e_dot[i]
-            m.a_e[i] = gained / dt
+            first = m.ticks[0] == 0.0
+            gained = 0.0 if first else w.near_dot[i] - m.last_near_dot[i]
             w.missed[i] = g.observer[i] * (m.step[i] - gained)
+            m.a_e[i] = 0.0 if first else (x.e_dot[i] - m.last_e_dot[i]) / dt
         if m.ticks[0] > 0.0:
             unexplained(dt, M0, h0, m.J, x.v, m.last_v, x.tau, m.lacking)
             smooth(dt, OBSERVER_RATE, m.lacking, m.d)
-            raise_floor(dt, x.e, M0, m.d, g.floor_share, g.floor_limit, m.mean_d, m.delta)
-            search_rotor(dt, x, g.rotor_limit, m)
+            raise_floor(dt, w.passing, M0, m.d, g.floor_share, g.floor_limit, m.mean_d, m.delta)
+            search_rotor(dt, x, g.rotor_limit, g.rotor_doubt, m)
         for i in range(n):
-            m.last_v[i], m.last_e_dot[i] = x.v[i], x.e_dot[i]
+            m.last_v[i], m.last_e_dot[i], m.last_near_dot[i] = x.v[i], x.e_dot[i], w.near_dot[i]
             m.ticks[i] += 1.0
         follow_rest(dt, x, m.rest)
 
         # S = D^{α,σ} ė + A ς(e) + λ sig(ς(e))^{p/q}
-        advance(derivative, derivative_memory, x.e_dot, dt, w.S)
+        advance(derivative, derivative_memory, w.near_dot, dt, w.S)
         for i in range(n):
-            bend = 1.0 / math.sqrt(1.0 + (x.e[i] / g.reach[i]) ** 2)
-            near = bend * x.e[i]
-            w.S[i] += g.A[i] * near + g.lam[i] * sig(near, g.power)
-            slope = g.A[i] + g.lam[i] * g.power * abs(near) ** (g.power - 1.0)
+            bend = 1.0 / math.sqrt(1.0 + (w.near[i] / g.reach[i]) ** 2)
+            bent = bend * w.near[i]
+            w.S[i] += g.A[i] * bent + g.lam[i] * sig(bent, g.power)
+            slope = g.A[i] + g.lam[i] * g.power * abs(bent) ** (g.power - 1.0)
             w.w[i] = (
-                g.theta[i] * (w.S[i] + sig(w.S[i], g.mu)) + slope * bend**3 * x.e_dot[i] + m.z[i]
+                g.theta[i] * (w.S[i] + sig(w.S[i], g.mu)) + slope * bend**3 * w.near_dot[i] + m.z[i]
             )
 
         # a = a_d - I^{α,σ} w,   b = K (ė_a - ė),   τ = M0 (a + b) + T + C0 v + G0
         gain = predict(integral, integral_memory, dt, w.a)
         for i in range(n):
-            w.a[i] = x.a_d[i] - w.a[i] - gain * w.w[i]
+            w.a[i] = w.near_a_d[i] - w.a[i] - gain * w.w[i]
             change = w.a[i] - m.last_a[i] + w.missed[i]
             share = g.floor_rate[i] * dt / (1.0 + g.floor_rate[i] * dt)
             slow = share * (m.fast[i] + change)
@@ -195,7 +202,7 @@ class RobustFONFTSM(Controller[RobustFONFTSMGains]):
             m.z[i] = (1.0 - m.rest[i] * m.stuck[i]) * z
             # No more than brings the command back to the limit, or fast loops swing up behind it.
             share = min(1.0, 1.0 / max(g.observer[i] * dt, 1e-9))
-            followed = w.a[i] - x.a_d[i] - share * (unfollowed / w.inertia[i])
+            followed = w.a[i] - w.near_a_d[i] - share * (unfollowed / w.inertia[i])
             haste = max(URGENT / max(abs(m.smooth_e[i]), NEAR), 1.0) - 1.0
             pace = m.stuck[i] * haste * (1.0 - m.held[i]) - m.held[i]
             m.step[i] = dt * (1.0 + m.rest[i] * pace) * followed

@@ -23,6 +23,7 @@ class State(NamedTuple):
         delta: floor `δ` under the inertia [kg·m²].
         rest: `ρ`, 1 where the reference rests.
         last_e_dot: speed error of the last tick [rad/s].
+        last_near_dot: the same behind the leading point [rad/s].
         J: rotor inertia that was found [kg·m²].
         T: torque beyond the nominal model's [N·m].
         ticks: how many there were.
@@ -50,6 +51,8 @@ class State(NamedTuple):
         last_moved: acceleration in the band at the last tick [rad/s²].
         lacking: torque that the model leaves unexplained over the last tick [N·m].
         a_e: acceleration beyond the reference's over the last tick [rad/s²].
+        way: way `e_g` from the reference to the point that leads the joint home [rad].
+        way_speed: its rate [rad/s].
     """
 
     z: Array
@@ -63,6 +66,7 @@ class State(NamedTuple):
     delta: Array
     rest: Array
     last_e_dot: Array
+    last_near_dot: Array
     J: Array
     T: Array
     ticks: Array
@@ -90,12 +94,18 @@ class State(NamedTuple):
     last_moved: Array
     lacking: Array
     a_e: Array
+    way: Array
+    way_speed: Array
 
 
 class Work(NamedTuple):
     """What one tick fills.
 
     Attributes:
+        near: error `ε` behind the point that leads the joint home; `e` where it is small [rad].
+        near_dot: its rate `ε̇` [rad/s].
+        near_a_d: acceleration of that point [rad/s²].
+        passing: error at which the inertia floor takes what a joint meets for passing [rad].
         S: sliding variable [rad s^-(1+α)].
         w: integrand of the fractional integral.
         a: commanded acceleration [rad/s²].
@@ -107,6 +117,10 @@ class Work(NamedTuple):
         inertia: the joint's own, with what is added [kg·m²].
     """
 
+    near: Array
+    near_dot: Array
+    near_a_d: Array
+    passing: Array
     S: Array
     w: Array
     a: Array
