@@ -12,6 +12,7 @@ from fotsmc_pin.arms import load_arm
 from fotsmc_pin.control import CONTROLLERS, Controller, warn_of_gravity
 from fotsmc_pin.evaluation.stress.cases import chosen_cases
 from fotsmc_pin.evaluation.stress.judging import StressRow, run_row
+from fotsmc_pin.evaluation.stress.springs import fitted_to_springs
 from fotsmc_pin.progress import reporting
 
 if TYPE_CHECKING:
@@ -64,6 +65,7 @@ def stress(
 
     Warns:
         GravityWarning: gravity asks an arm for more than its effort limits.
+        BandwidthWarning: a law is too fast for the springs of a case "elastic".
     """
     loaded = [load_arm(arm) if isinstance(arm, str) else arm for arm in arms]
     makers, cases = _makers(controllers), chosen_cases(scenarios)
@@ -97,7 +99,8 @@ class Run:
     def __call__(self) -> StressRow:
         """Carry it out."""
         scenario = self.case.scenario_of(self.arm, duration=self.duration, seed=self.seed)
-        return run_row(scenario, self.make(scenario.arm, scenario.dt), self.label)
+        made = self.make(scenario.arm, scenario.dt)
+        return run_row(scenario, fitted_to_springs(made, scenario), self.label)
 
 
 def _carried_out(runs: Sequence[Run], jobs: int) -> Iterator[StressRow]:
