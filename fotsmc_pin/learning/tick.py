@@ -112,8 +112,8 @@ def learn(
         shares, part = ROUND * (WINDOW - 1), ticks // WINDOW % ROUND * (WINDOW - 1) + phase
         for j in range((n * (part - 1)) // shares, (n * part) // shares):
             take_row(j, ROUND * duration, x, Y[1], b, P)
-    if phase == WINDOW - 1:
         keep_possible(b, P)
+    if phase == WINDOW - 1:
         close_window(a.elapsed[0], v, x)
         a.duration[0], a.elapsed[0] = a.elapsed[0], 0.0
 
