@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 MIDDLE = 1
 """Tick of a window whose configuration stands for it."""
-FIRST_NOISE, LEAST_NOISE = 3e-3, 3e-4
+FIRST_NOISE, LEAST_NOISE = 1e-3, 3e-4
 """Standard deviation of a row over the drive's size: believed at first, and the least."""
 SAFETY = 2.0
 """Factor by which the learnt inertia stays inside of what the loop bears."""

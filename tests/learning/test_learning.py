@@ -47,7 +47,7 @@ class TestStressPlant:
         estimates = stressed.controller.estimates()
         mass = estimates.group("payload")[0]
         assert mass.known
-        assert abs(mass.value - 3.0) < 2.0 * mass.deviation < 0.2 * 3.0
+        assert abs(mass.value - 3.0) < 2.0 * mass.deviation < 1.0
         friction = [row.value for row in estimates.group("friction")]
         assert friction == pytest.approx(stressed.true.friction, rel=0.1)
 
@@ -105,7 +105,7 @@ def test_a_payload_that_comes_and_goes_is_noticed(panda, learner):
     deviation = recording.signals["payload_deviation"][:, 0]
     for when, held in ((2.99, 0.0), (5.99, 2.0), (8.49, 0.0)):
         k = np.searchsorted(recording.t, when)
-        assert abs(payload[k] - held) < 2.0 * deviation[k] < 0.8
+        assert abs(payload[k] - held) < min(2.0 * deviation[k], 0.5)
     assert recording.signals["changes"][-1, 0] == 2.0
     for start in (5.0, 8.0):
         assert norm(recording, start, start + 0.5).max() < 0.3 * MRAD
