@@ -15,10 +15,10 @@ from fotsmc_pin.errors import DivergenceError
 from fotsmc_pin.evaluation.stress.courses import lasting
 
 if TYPE_CHECKING:
-    from fotsmc_pin.control import Controller
     from fotsmc_pin.evaluation.stress.courses import Course, Rest
     from fotsmc_pin.evaluation.stress.scenario import Scenario
     from fotsmc_pin.simulation import Recording
+    from fotsmc_pin.simulation.simulate import Law
     from fotsmc_pin.types import Array
 
 INFINITE = float("inf")
@@ -104,7 +104,7 @@ class StressRow:
 
 
 def run_row(
-    scenario: Scenario, controller: Controller, label: str, duration: float | None = None
+    scenario: Scenario, controller: Law, label: str, duration: float | None = None
 ) -> StressRow:
     """Run a controller in a scenario and judge it; a divergence is a result too.
 
