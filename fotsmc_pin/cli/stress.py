@@ -218,6 +218,8 @@ def _table(title: str, lines: Sequence[Sequence[str]]) -> Table:
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
 
+    from fotsmc_pin.learning.described import LABEL
+
     table = Table(
         title=title, title_justify="left", box=SIMPLE_HEAD, collapse_padding=True, pad_edge=False
     )
@@ -226,7 +228,8 @@ def _table(title: str, lines: Sequence[Sequence[str]]) -> Table:
         justify: Literal["left", "right"] = "left" if names else "right"
         table.add_column(column, justify=justify, no_wrap=names, overflow="fold")
     for line in lines[1:]:
-        table.add_row(*line)
+        # What cannot wrap and says the same in every row takes a line of its own.
+        table.add_row(*(cell.replace(LABEL, f"\n{LABEL.strip()}") for cell in line))
     return table
 
 

@@ -33,6 +33,8 @@ def lead(rec: Recording) -> str:
     along = f" along {spaced(told['reference'])}" if told.get("reference") else ""
     model = told.get("nominal_arm")
     belief = f" It computed with the model of {model}." if model and model != arm.name else ""
+    if model and told.get("learning"):
+        belief = f" It began with the model of {model} and learnt while the arm moved."
     return f"{law}{preset} moved {arm.name}{along}{seconds}{period}.{belief}"
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.learning import recorded_estimates
 from fotsmc_pin.view.curves import thinned_curves
-from fotsmc_pin.view.figures import POINTS_AT_MOST, REFERENCE
+from fotsmc_pin.view.figures import REFERENCE
 from fotsmc_pin.view.learning_tables import NAMES, unit_of
 from fotsmc_pin.view.marks import mark_axes
 from fotsmc_pin.view.palette import BLUE, GREY
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 ROW_HEIGHT = 0.82
 TITLE_SIZE, LABEL_SIZE, TICK_SIZE = 6.5, 6.5, 6.0
+POINTS_AT_MOST = 500
+"""Panels are small and many: a vector file shall stay small too."""
 BAND = 2.0
 """Standard deviations to either side that a band shows."""
 PAYLOAD = ("mass", "first moment x", "first moment y", "first moment z")

@@ -46,6 +46,13 @@ def owner_of(row: Estimate) -> str:
     return f"{first} and {len(others)} more" if others else first
 
 
+def whole_name(name: str, owner: str) -> str:
+    """Return name and owner of a parameter in one."""
+    if owner == "tool":
+        return name
+    return f"{name} along {owner}" if name.startswith("payload") else f"{name} of {owner}"
+
+
 def unit_of(row: Estimate) -> str:
     """Return the unit in which a parameter is told."""
     return row.unit or "× nominal"
@@ -85,8 +92,8 @@ def untold(estimates: Estimates) -> str:
             groups.setdefault(name_of(row), []).append(owner_of(row))
     if not groups:
         return ""
-    told = "; ".join(f"{name} of {', '.join(owners)}" for name, owners in groups.items())
-    return f"The motion could not tell: {told}."
+    told = (whole_name(name, ", ".join(owners)) for name, owners in groups.items())
+    return f"The motion could not tell: {'; '.join(told)}."
 
 
 def noticed(rec: Recording) -> str:
@@ -130,5 +137,8 @@ def _told(rec: Recording, estimates: Estimates) -> str:
 
 def _table(lines: Sequence[Sequence[str]]) -> str:
     """Return the table with parameter and owner in one cell, which names the row."""
-    rows = ([f"{name} of {of}", *cells] for name, of, *cells in lines)
-    return html_table(["parameter", *HEAD[2:]], rows)
+    rows = (
+        [whole_name(name, of), f"{learnt} {unit}", nominal]
+        for name, of, learnt, nominal, unit in lines
+    )
+    return html_table(["parameter", "learnt", "nominal"], rows)
