@@ -4,6 +4,7 @@ Both controllers believe in the same URDF. The arm has friction and rotors that 
 state, so there is something to learn before the payload comes.
 """
 
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -45,7 +46,7 @@ def main(out: Path = Path("out/pick_and_drop"), duration: float = 9.0) -> dict[s
     }
 
     ends = [0.0, *(time for time in changes if time < duration), duration]
-    for start, end in zip(ends[:-1], ends[1:], strict=True):
+    for start, end in pairwise(ends):
         print(f"in the last second before {end:g} s:")
         for name, rec in runs.items():
             span = (rec.t > max(end - 1.0, start)) & (rec.t <= end)
