@@ -33,10 +33,9 @@ def notice_change(settled: float, joints: JointRows, Y: Array, b: Beliefs, P: Ar
     n, p = joints.torque.size, b.estimate.size
     if settled < PATIENCE or joints.surprise.max() < SURPRISING:
         return False
+    Y[:] = 0.0
     for j in range(n):
-        joints.surprise[j] = joints.filtered[j] = 0.0
-        for c in range(Y.shape[1]):
-            Y[j, c] = 0.0
+        joints.surprise[j] = joints.smoothed[j] = joints.filtered[j] = 0.0
     for i in range(n, n + 4):
         for k in range(p):
             P[i, k] = P[k, i] = 0.0

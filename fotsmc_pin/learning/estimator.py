@@ -23,14 +23,16 @@ if TYPE_CHECKING:
 WINDOW = 4
 """Ticks over which torque and speed are averaged; one of them evaluates the regressor, the others
 take in a third of the joints each."""
-RATE = 15.0
+RATE = 25.0
 """Bandwidth of the low-pass on torques and regressor [rad/s]."""
 SIGN_WIDTH = 0.01
 """Speed over which Coulomb friction changes sign [rad/s, m/s]."""
+STICKING = 0.5
 STILL = 0.03
 """Speed below which a joint may stick, so that its friction is anything up to a bound."""
 IDLE = 0.5
 """Share of the recent time at rest from which on a joint's row says nothing."""
+REPEATS = 2.0
 DRIFT = 1e-3
 """Variance that a parameter gains in a second of motion, over that beforehand."""
 NOISE_RATE = 1.0
@@ -48,12 +50,16 @@ class JointRows(NamedTuple):
     Attributes:
         torque: integral of the torque that acted in the window [N·m·s].
         travel: integral of the speed [rad].
+        signs: integral of the speed's smoothed sign [s].
         last_speed: at the start of the window [rad/s].
         mean_torque: over the last window [N·m].
         mean_speed: over the last window [rad/s].
+        mean_sign: of the speed, over the last window.
         acceleration: change of speed over the last window [rad/s²].
-        filtered: low-passed torque [N·m].
-        idle: low-passed share of the time in which the joint may stick.
+        smoothed: torque after one low-pass [N·m].
+        filtered: torque after both [N·m].
+        sticking: share of the time in which the joint may stick, after one low-pass.
+        idle: the same after both.
         noise: variance of a row [N²·m²].
         least_noise: the least that is believed.
         unexplained: torque that the estimate did not predict [N·m].
@@ -63,11 +69,15 @@ class JointRows(NamedTuple):
 
     torque: Array
     travel: Array
+    signs: Array
     last_speed: Array
     mean_torque: Array
     mean_speed: Array
+    mean_sign: Array
     acceleration: Array
+    smoothed: Array
     filtered: Array
+    sticking: Array
     idle: Array
     noise: Array
     least_noise: Array
@@ -82,6 +92,7 @@ def collect(dt: float, tau: Array, v: Array, joints: JointRows) -> None:
     for j in range(v.size):
         joints.torque[j] += dt * tau[j]
         joints.travel[j] += dt * v[j]
+        joints.signs[j] += dt * math.tanh(v[j] / SIGN_WIDTH)
 
 
 @kernel(is_part=True)
@@ -91,7 +102,8 @@ def close_window(duration: float, v: Array, joints: JointRows) -> None:
         joints.mean_torque[j] = joints.torque[j] / duration
         joints.mean_speed[j] = joints.travel[j] / duration
         joints.acceleration[j] = (v[j] - joints.last_speed[j]) / duration
-        joints.torque[j] = joints.travel[j] = 0.0
+        joints.mean_sign[j] = joints.signs[j] / duration
+        joints.torque[j] = joints.travel[j] = joints.signs[j] = 0.0
         joints.last_speed[j] = v[j]
 
 
@@ -120,6 +132,7 @@ def absorb(
         stribeck_velocity: speed at which friction falls [rad/s].
     """
     n = joints.torque.size
+    first, second = Y
     share = 1.0 - math.exp(-RATE * duration)
     for j in range(n):
         v = joints.mean_speed[j]
@@ -128,17 +141,21 @@ def absorb(
             y = 0.0
             for k in range(10):
                 y += regressor[j, start + k] * bodies[i, k]
-            Y[j, i] += share * (y - Y[j, i])
-        sign = math.tanh(v / SIGN_WIDTH)
-        Y[j, n + 4] += share * (joints.acceleration[j] - Y[j, n + 4])
-        Y[j, n + 5] += share * (v - Y[j, n + 5])
-        Y[j, n + 6] += share * (sign - Y[j, n + 6])
-        if Y.shape[1] > n + 7:
+            first[j, i] += share * (y - first[j, i])
+        sign = joints.mean_sign[j]
+        first[j, n + 4] += share * (joints.acceleration[j] - first[j, n + 4])
+        first[j, n + 5] += share * (v - first[j, n + 5])
+        first[j, n + 6] += share * (sign - first[j, n + 6])
+        if first.shape[1] > n + 7:
             more = sign * math.exp(-((v / stribeck_velocity) ** 2))
-            Y[j, n + 7] += share * (more - Y[j, n + 7])
-        joints.filtered[j] += share * (joints.mean_torque[j] - joints.filtered[j])
+            first[j, n + 7] += share * (more - first[j, n + 7])
+        for c in range(first.shape[1]):
+            second[j, c] += share * (first[j, c] - second[j, c])
+        joints.smoothed[j] += share * (joints.mean_torque[j] - joints.smoothed[j])
+        joints.filtered[j] += share * (joints.smoothed[j] - joints.filtered[j])
         may_stick = math.exp(-((v / STILL) ** 2))
-        joints.idle[j] += share * (may_stick - joints.idle[j])
+        joints.sticking[j] += share * (may_stick - joints.sticking[j])
+        joints.idle[j] += share * (joints.sticking[j] - joints.idle[j])
 
 
 @kernel(is_part=True)
@@ -170,9 +187,11 @@ def take_row(j: int, duration: float, joints: JointRows, Y: Array, b: Beliefs, P
     known = 0.0
     for c in range(columns):
         known += Y[j, c] * g[place(j, c, n)]
-    surprise = min(error * error / (joints.noise[j] + known), MOST_SURPRISE)
+    friction = b.estimate[place(j, n + 6, n)]
+    noise = joints.noise[j] + (STICKING * joints.idle[j] * friction) ** 2
+    surprise = min(error * error / (noise + known), MOST_SURPRISE)
     joints.surprise[j] += SURPRISE_RATE * duration * (surprise - joints.surprise[j])
-    repeated = joints.noise[j] * max(1.0, 1.0 / (RATE * duration))
+    repeated = noise * max(1.0, REPEATS / (RATE * duration))
     total = repeated + known
     left = error * repeated / total
     joints.unexplained[j] = error

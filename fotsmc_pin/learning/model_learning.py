@@ -123,7 +123,7 @@ class ModelLearning(Described):
         self._joints = np.zeros((len(JointRows._fields), n))
         self._beliefs = self._first.copy()
         self._P = np.zeros((self._layout.size, self._layout.size))
-        self._Y = np.zeros((n, self._layout.columns))
+        self._Y = np.zeros((2, n, self._layout.columns))
         self._middle = np.zeros(self.arm.nq)
         self._written = np.zeros((n, 10))
         self._written[:] = self._bodies[:n]
@@ -143,11 +143,12 @@ class ModelLearning(Described):
     def reset(self) -> None:
         """Forget what was learnt, and begin anew."""
         self.controller.reset()
+        self._ticks = 0
         for name in MEMORY:
             getattr(self, name)[:] = 0.0
         self._beliefs[:] = self._first
         self._P[:] = np.diag(self._b.deviation**2)
-        self._x.idle[:] = 1.0
+        self._x.sticking[:] = self._x.idle[:] = 1.0
         self._x.noise[:] = (FIRST_NOISE * self._drive) ** 2
         self._x.least_noise[:] = (LEAST_NOISE * self._drive) ** 2
         self._a.lowest[:], self._a.highest[:] = self.bears

@@ -74,10 +74,10 @@ def learn(
         whole: rows of `Whole` (9, 1).
         sent: torques that were sent and did not act yet, the oldest first (delay + 1, nv); moved on
             by one.
-        joints: rows of `JointRows` (13, nv).
+        joints: rows of `JointRows` (17, nv).
         beliefs: rows of `Beliefs` (9, p).
         P: covariance (p, p).
-        Y: low-passed rows (nv, c).
+        Y: rows after one and after both low-passes (2, nv, c).
         regressor: Pinocchio's of the last window, new in the first tick of each (nv, 10 nv).
         bodies: dynamic parameters per unit of each link and of the payload, and in the last row the
             tool's place (nv + 5, 10).
@@ -109,7 +109,7 @@ def learn(
             a.settled[0], a.changes[0] = 0.0, a.changes[0] + 1.0
     elif duration > 0.0:
         for j in range((n * (phase - 1)) // (WINDOW - 1), (n * phase) // (WINDOW - 1)):
-            take_row(j, duration, x, Y, b, P)
+            take_row(j, duration, x, Y[1], b, P)
     if phase == WINDOW - 1:
         keep_possible(b, P)
         close_window(a.elapsed[0], v, x)
