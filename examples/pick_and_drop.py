@@ -29,22 +29,16 @@ def main(out: Path = Path("out/pick_and_drop"), duration: float = 9.0) -> dict[s
     )
     changes = {PICKED: fp.perturb(true, payload=2.0), DROPPED: true}
     reference = fp.references.Sinusoid.inside_limits(nominal, fraction=0.7)
+    plain = fp.RobustFONFTSM(nominal, dt=1e-3)
     learning = fp.ModelLearning(fp.RobustFONFTSM(nominal, dt=1e-3), delay=1)
-    runs = {
-        name: fp.simulate(
-            true,
-            controller,
-            reference,
-            duration,
-            events={time: arm for time, arm in changes.items() if time < duration},
-            actuator=TickDelay(1),
-        )
-        for name, controller in {
-            "without learning": fp.RobustFONFTSM(nominal, dt=1e-3),
-            "with learning": learning,
-        }.items()
-    }
 
+    def run(controller: fp.RobustFONFTSM | fp.ModelLearning) -> fp.Recording:
+        events = {time: arm for time, arm in changes.items() if time < duration}
+        return fp.simulate(
+            true, controller, reference, duration, events=events, actuator=TickDelay(1)
+        )
+
+    runs = {"without learning": run(plain), "with learning": run(learning)}
     ends = [0.0, *(time for time in changes if time < duration), duration]
     for start, end in pairwise(ends):
         print(f"in the last second before {end:g} s:")
