@@ -11,8 +11,9 @@ import pinocchio as pin
 from fotsmc_pin.arms import Payload, perturb
 from fotsmc_pin.arms.markup import parse_urdf
 from fotsmc_pin.arms.perturbation import moving_links
+from fotsmc_pin.arms.tool_point import placement
 from fotsmc_pin.arms.tree import UrdfTree
-from fotsmc_pin.learning.trust import FARTHEST
+from fotsmc_pin.learning.trust import FARTHEST, FARTHEST_LINK
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -76,6 +77,9 @@ class Estimates:
         for group, place in layout.groups.items():
             if group == "link_scale":
                 names, units = links, [""] * arm.nv
+            elif group == "link_moment":
+                names = [f"{link} {axis}" for link in links for axis in "xyz"]
+                units = ["kg·m"] * (3 * arm.nv)
             elif group == "payload":
                 names, units = ["mass", "moment x", "moment y", "moment z"], ["kg", *["kg·m"] * 3]
             else:
@@ -156,12 +160,26 @@ def learned_arm(arm: Arm, estimates: Estimates) -> Arm:
     return perturb(
         arm,
         mass_scale=scales,
+        com_shift=_shifts(arm, estimates),
         payload=held,
         armature=values("armature"),
         damping=values("damping"),
         friction=values("friction"),
         name=f"{arm.name}_learned",
     )
+
+
+def _shifts(arm: Arm, estimates: Estimates) -> dict[str, Array]:
+    """Return the shift of the centre of mass of each link, (3,) in its own axes [m]."""
+    tree = UrdfTree(parse_urdf(arm.urdf, arm.name), arm.name)
+    scales = [row.value for row in estimates.group("link_scale")]
+    moments = np.reshape([row.value for row in estimates.group("link_moment")], (-1, 3))
+    shifts = {}
+    for k, body in enumerate(moving_bodies(arm)):
+        mass = scales[k] * float(arm.model.inertias[k + 1].mass)
+        shift = np.clip(moments[k] / mass, -FARTHEST_LINK, FARTHEST_LINK) if body else np.zeros(3)
+        shifts |= {link: placement(tree, link).rotation.T @ shift for link in body}
+    return shifts
 
 
 def _payload(arm: Arm, mass: float, moment: Array) -> Payload:

@@ -15,6 +15,7 @@ import math
 from typing import TYPE_CHECKING, NamedTuple
 
 from fotsmc_pin.compiled import kernel
+from fotsmc_pin.learning.parameters import shared_columns
 
 if TYPE_CHECKING:
     from fotsmc_pin.learning.parameters import Beliefs
@@ -22,7 +23,9 @@ if TYPE_CHECKING:
 
 WINDOW = 4
 """Ticks over which torque and speed are averaged; one of them evaluates the regressor, the others
-take in a third of the joints each."""
+take in a share of the joints each."""
+ROUND = 2
+"""Windows in which every joint is taken in once."""
 RATE = 25.0
 """Bandwidth of the low-pass on torques and regressor [rad/s]."""
 SIGN_WIDTH = 0.01
@@ -100,8 +103,9 @@ def close_window(duration: float, v: Array, joints: JointRows) -> None:
     """Turn the integrals over a window into means, and begin a new one."""
     for j in range(v.size):
         joints.mean_torque[j] = joints.torque[j] / duration
-        joints.mean_speed[j] = joints.travel[j] / duration
-        joints.acceleration[j] = (v[j] - joints.last_speed[j]) / duration
+        gained = v[j] - joints.last_speed[j]
+        joints.mean_speed[j] = joints.travel[j] / duration - 0.5 * gained / WINDOW
+        joints.acceleration[j] = gained / duration
         joints.mean_sign[j] = joints.signs[j] / duration
         joints.torque[j] = joints.travel[j] = joints.signs[j] = 0.0
         joints.last_speed[j] = v[j]
@@ -119,36 +123,35 @@ def absorb(
 ) -> None:
     """Take the last window into the low-passed rows `Y` (nv, c) and torques.
 
-    The columns of a row are its links', four of the payload, and the joint's own.
+    The columns of a row are those of `Layout`: of all links, of the payload, and the joint's own.
 
     Args:
         duration: of the window [s].
         regressor: Pinocchio's joint torque regressor (nv, 10 nv).
-        bodies: dynamic parameters of the nominal links, then those per unit of the payload's mass
-            and first moments at the tool (nv + 4, 10).
+        bodies: dynamic parameters per unit of each shared column, and a last row (4 nv + 5, 10).
         tool: index of the link that carries the tool.
         joints: the joints' rows.
         Y: overwritten.
         stribeck_velocity: speed at which friction falls [rad/s].
     """
-    n = joints.torque.size
+    n, own = joints.torque.size, bodies.shape[0] - 1
     first, second = Y
     share = 1.0 - math.exp(-RATE * duration)
     for j in range(n):
         v = joints.mean_speed[j]
-        for i in range(n + 4):
-            start = 10 * (i if i < n else tool)
+        for i in range(own):
+            start = 10 * (i if i < n else tool if i < n + 4 else (i - n - 4) // 3)
             y = 0.0
             for k in range(10):
                 y += regressor[j, start + k] * bodies[i, k]
             first[j, i] += share * (y - first[j, i])
         sign = joints.mean_sign[j]
-        first[j, n + 4] += share * (joints.acceleration[j] - first[j, n + 4])
-        first[j, n + 5] += share * (v - first[j, n + 5])
-        first[j, n + 6] += share * (sign - first[j, n + 6])
-        if first.shape[1] > n + 7:
+        first[j, own] += share * (joints.acceleration[j] - first[j, own])
+        first[j, own + 1] += share * (v - first[j, own + 1])
+        first[j, own + 2] += share * (sign - first[j, own + 2])
+        if first.shape[1] > own + 3:
             more = sign * math.exp(-((v / stribeck_velocity) ** 2))
-            first[j, n + 7] += share * (more - first[j, n + 7])
+            first[j, own + 3] += share * (more - first[j, own + 3])
         for c in range(first.shape[1]):
             second[j, c] += share * (first[j, c] - second[j, c])
         joints.smoothed[j] += share * (joints.mean_torque[j] - joints.smoothed[j])
@@ -161,7 +164,8 @@ def absorb(
 @kernel(is_part=True)
 def place(j: int, c: int, n: int) -> int:
     """Return which parameter stands in column `c` of the row of joint `j`."""
-    return c if c < n + 4 else n + 4 + (c - n - 4) * n + j
+    shared = shared_columns(n)
+    return c if c < shared else shared + (c - shared) * n + j
 
 
 @kernel(is_part=True)
@@ -187,7 +191,7 @@ def take_row(j: int, duration: float, joints: JointRows, Y: Array, b: Beliefs, P
     known = 0.0
     for c in range(columns):
         known += Y[j, c] * g[place(j, c, n)]
-    friction = b.estimate[place(j, n + 6, n)]
+    friction = b.estimate[place(j, shared_columns(n) + 2, n)]
     noise = joints.noise[j] + (STICKING * joints.idle[j] * friction) ** 2
     surprise = min(error * error / (noise + known), MOST_SURPRISE)
     joints.surprise[j] += SURPRISE_RATE * duration * (surprise - joints.surprise[j])
@@ -217,11 +221,12 @@ def take_row(j: int, duration: float, joints: JointRows, Y: Array, b: Beliefs, P
 def drift(duration: float, joints: JointRows, b: Beliefs, P: Array) -> None:
     """Let the parameters of what moves become less certain, at most as at the start."""
     n, p = joints.torque.size, b.estimate.size
+    shared = shared_columns(n)
     moving = 0.0
     for j in range(n):
         moving += max(joints.learning[j], 0.0) / n
     for i in range(p):
-        active = moving if i < n + 4 else max(joints.learning[(i - n - 4) % n], 0.0)
+        active = moving if i < shared else max(joints.learning[(i - shared) % n], 0.0)
         P[i, i] += DRIFT * duration * active * b.deviation[i] ** 2
         most = b.deviation[i] ** 2
         if P[i, i] > most:

@@ -9,6 +9,7 @@ import pinocchio as pin
 
 from fotsmc_pin.compiled import specialized
 from fotsmc_pin.control.model_terms import ModelTerms
+from fotsmc_pin.learning.parameters import shared_columns
 from fotsmc_pin.learning.trust import add_friction
 
 if TYPE_CHECKING:
@@ -51,8 +52,8 @@ class LearnedTerms(ModelTerms):
         self._used, self._fall = used, fall
         self._add_friction = specialized(add_friction, used, used, fall, self.h)
         self._bodies, self._armature = self.learned.inertias, self.learned.armature
-        n = nominal.nv
-        self._rotors = used[n + 4 : 2 * n + 4]
+        rotors = shared_columns(nominal.nv)
+        self._rotors = used[rotors : rotors + nominal.nv]
 
     def evaluate(self, q: Array, joints: Joints) -> None:
         """Write the terms at the configuration `q` (nq,) and the velocity of `joints`."""

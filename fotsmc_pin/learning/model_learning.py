@@ -65,12 +65,12 @@ class ModelLearning(Described):
         delay: ticks from a torque to the drive.
         bears: ratios of true to believed inertia that the loop is trusted with.
 
-    Signals: the controller's; "link_scale" (nv,), "payload" (4,), mass [kg] and first moments about
-    the tool frame [kg m], "armature", "damping", "friction" (nv,) and, where it is learnt,
-    "stribeck", each with its standard deviation, as in "payload_deviation"; "learning" (nv,), 1
-    where a joint teaches something, 0 where it rests, -1 where it contradicts what is known;
-    "unexplained" (nv,), torque that was not foreseen [N·m]; "changes" (1,), how often the payload
-    was found to be another.
+    Signals: the controller's; "link_scale" (nv,); "payload" (4,), mass [kg] and first moments about
+    the tool frame [kg·m]; "link_moment" (3 nv,), first moments beyond the nominal ones [kg·m];
+    "armature", "damping", "friction" (nv,) and, where it is learnt, "stribeck"; each with its
+    standard deviation, as in "payload_deviation"; "learning" (nv,), 1 where a joint teaches
+    something, 0 where it rests, -1 where it contradicts what is known; "unexplained" (nv,), torque
+    that was not foreseen [N·m]; "changes" (1,), how often the payload was found to be another.
     """
 
     _a: Whole
@@ -155,7 +155,7 @@ class ModelLearning(Described):
         self._a.fall[:], self._a.tool[:] = self.prior.stribeck_velocity, tool_link(self.arm)
         n, tool = self.arm.nv, tool_link(self.arm)
         for link, dynamic in enumerate(self._written):
-            body(link, n, tool, self._bodies[n + 4], self._bodies, self._b.used, dynamic)
+            body(link, n, tool, self._bodies, self._b.used, dynamic)
         self._write_model()
 
     def update(

@@ -9,6 +9,7 @@ import numpy as np
 
 from fotsmc_pin import checks
 from fotsmc_pin.arms.drive_size import drive_size
+from fotsmc_pin.compiled import kernel
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -20,6 +21,8 @@ LINKS = 0.3
 """Standard deviation of a link's mass over its nominal one."""
 PAYLOAD = 0.15
 """Standard deviation of the payload over the mass of the moving links."""
+CENTRES = 0.01
+"""Standard deviation of a link's centre of mass from the nominal one, along each axis [m]."""
 OFFSET = 0.1
 """Standard deviation of the payload's centre from the tool frame [m], at such a payload."""
 LIMIT_OVER_ARMATURE = 150.0
@@ -61,6 +64,7 @@ class Prior:
 
     Attributes:
         links: of each link's mass and inertia over the nominal one, (nv,) or one number.
+        centres: of each link's centre of mass along each axis [m].
         payload: of the payload at the tool [kg]; None for 0.15 of the mass of the moving links.
         offset: of the payload's centre of mass from the tool frame [m].
         armature: of the motor inertia, by joint [kg·m² or kg]; None for effort limit / 150.
@@ -73,6 +77,7 @@ class Prior:
     """
 
     links: ArrayLike = LINKS
+    centres: float = CENTRES
     payload: float | None = None
     offset: float = OFFSET
     armature: ArrayLike | None = None
@@ -83,9 +88,10 @@ class Prior:
 
 
 class Layout:
-    """The order of the parameters of an arm: `n` links, four of the payload, then each joint's own.
+    """The order of the parameters of an arm.
 
-    The own parameters of all joints follow kind by kind: armature, damping, friction, and what
+    First those that all joints' rows know: a factor on each link, four of the payload, three first
+    moments of each link. Then each joint's own, kind by kind: armature, damping, friction, and what
     friction at standstill is more, where that is learnt.
 
     Attributes:
@@ -96,12 +102,23 @@ class Layout:
 
     def __init__(self, joints: int, *, stribeck: bool) -> None:
         own = ("armature", "damping", "friction", *(("stribeck",) if stribeck else ()))
-        self.groups = {"link_scale": slice(0, joints), "payload": slice(joints, joints + 4)}
+        shared = shared_columns(joints)
+        self.groups = {
+            "link_scale": slice(0, joints),
+            "payload": slice(joints, joints + 4),
+            "link_moment": slice(joints + 4, shared),
+        }
         for k, name in enumerate(own):
-            start = joints + 4 + k * joints
+            start = shared + k * joints
             self.groups[name] = slice(start, start + joints)
-        self.columns = joints + 4 + len(own)
-        self.size = joints + 4 + len(own) * joints
+        self.columns = shared + len(own)
+        self.size = shared + len(own) * joints
+
+
+@kernel(is_part=True)
+def shared_columns(joints: int) -> int:
+    """Return how many parameters all joints' rows know."""
+    return 4 * joints + 4
 
 
 def first_beliefs(arm: Arm, prior: Prior, layout: Layout) -> Array:
@@ -116,13 +133,15 @@ def first_beliefs(arm: Arm, prior: Prior, layout: Layout) -> Array:
         value = getattr(prior, name)
         return default if value is None else checks.per_joint(name, value, n, at_least=0.0)
 
-    mass = sum(float(inertia.mass) for inertia in arm.model.inertias[1:])
+    masses = [float(inertia.mass) for inertia in [*arm.model.inertias][1:]]
     payload = checks.finite_number(
-        "payload", PAYLOAD * mass if prior.payload is None else prior.payload, at_least=0.0
+        "payload", PAYLOAD * sum(masses) if prior.payload is None else prior.payload, at_least=0.0
     )
     rubbing = FRICTION * np.minimum(1.0, size / FULL_EFFORT)
     moment = np.full(3, payload * checks.finite_number("offset", prior.offset, at_least=0.0))
     links = checks.per_joint("links", prior.links, n, at_least=0.0)
+    centres = checks.finite_number("centres", prior.centres, at_least=0.0)
+    moments = centres * np.repeat(masses, 3)
     armature = given("armature", size / LIMIT_OVER_ARMATURE)
     damping = given("damping", np.maximum(rubbing, arm.damping))
     friction = given("friction", np.maximum(rubbing, arm.friction))
@@ -134,6 +153,7 @@ def first_beliefs(arm: Arm, prior: Prior, layout: Layout) -> Array:
             np.array([0.0, *(-2.0 * moment)]),
             np.array([6.0 * payload, *(2.0 * moment)]),
         ),
+        "link_moment": (np.zeros(3 * n), moments, -4.0 * moments, 4.0 * moments),
         "armature": (arm.armature, armature, np.zeros(n), arm.armature + 15.0 * armature),
         "damping": (arm.damping, damping, np.zeros(n), arm.damping + 40.0 * damping),
         "friction": (arm.friction, friction, np.zeros(n), arm.friction + 10.0 * friction),

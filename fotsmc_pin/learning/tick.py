@@ -8,6 +8,7 @@ from fotsmc_pin.compiled import kernel
 from fotsmc_pin.control.rows import named_rows
 from fotsmc_pin.learning.change import notice_change
 from fotsmc_pin.learning.estimator import (
+    ROUND,
     WINDOW,
     JointRows,
     absorb,
@@ -79,8 +80,8 @@ def learn(
         P: covariance (p, p).
         Y: rows after one and after both low-passes (2, nv, c).
         regressor: Pinocchio's of the last window, new in the first tick of each (nv, 10 nv).
-        bodies: dynamic parameters per unit of each link and of the payload, and in the last row the
-            tool's place (nv + 5, 10).
+        bodies: dynamic parameters per unit of each shared column, and in the last row the tool's
+            place (4 nv + 5, 10).
         written: dynamic parameters of the learnt links (nv, 10); a row is written anew, another one
             in each tick but a window's first.
     """
@@ -100,7 +101,7 @@ def learn(
             sent[k, j] = sent[k + 1, j]
         sent[delay, j] = tau[j]
 
-    # The first tick of a window takes in the last one; the others a third of the joints each.
+    # The first tick of a window takes in the last one; the others a share of the joints each.
     if duration > 0.0 and phase == 0:
         absorb(duration, regressor, bodies, tool, x, Y, a.fall[0])
         drift(duration, x, b, P)
@@ -108,8 +109,9 @@ def learn(
         if notice_change(a.settled[0], x, Y, b, P):
             a.settled[0], a.changes[0] = 0.0, a.changes[0] + 1.0
     elif duration > 0.0:
-        for j in range((n * (phase - 1)) // (WINDOW - 1), (n * phase) // (WINDOW - 1)):
-            take_row(j, duration, x, Y[1], b, P)
+        shares, part = ROUND * (WINDOW - 1), ticks // WINDOW % ROUND * (WINDOW - 1) + phase
+        for j in range((n * (part - 1)) // shares, (n * part) // shares):
+            take_row(j, ROUND * duration, x, Y[1], b, P)
     if phase == WINDOW - 1:
         keep_possible(b, P)
         close_window(a.elapsed[0], v, x)
@@ -118,5 +120,5 @@ def learn(
     trust(dt, n, a.lowest[0], a.highest[0], b, P)
     if phase > 0:
         link = (ticks - ticks // WINDOW) % n
-        body(link, n, tool, bodies[n + 4], bodies, b.used, written[link])
+        body(link, n, tool, bodies, b.used, written[link])
     a.ticks[0] += 1.0

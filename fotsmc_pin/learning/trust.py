@@ -6,6 +6,8 @@ import math
 from typing import TYPE_CHECKING
 
 from fotsmc_pin.compiled import kernel
+from fotsmc_pin.control.functions import clip
+from fotsmc_pin.learning.parameters import shared_columns
 
 if TYPE_CHECKING:
     from fotsmc_pin.learning.parameters import Beliefs
@@ -15,6 +17,12 @@ FADING = 0.3
 """Time in which the law's model follows the estimate [s]."""
 SURE = 2.0
 """Standard deviations that are counted as possible."""
+SIGN_WIDTH = 2e-3
+"""Wanted speed over which the friction that is fed forward changes sign [rad/s, m/s]."""
+LIGHTEST = 1e-9
+"""Mass below which there is nothing to move [kg]."""
+FARTHEST_LINK = 0.05
+"""Largest distance of a link's centre of mass from the nominal one, along each axis [m]."""
 FARTHEST = 0.3
 """Largest distance of the payload's centre from the tool frame [m]."""
 
@@ -28,7 +36,8 @@ def trust(dt: float, n: int, lowest: float, highest: float, b: Beliefs, P: Array
     most `highest` times the one that is used, the same holds for the matrices, and so for every
     ratio of true to believed inertia that the loop meets. A parameter is therefore raised above the
     nominal one no further than to `(θ - 2σ) / lowest`, and lowered no further than to
-    `(θ + 2σ) / highest`. Friction does not enter the loop and is used as it is estimated.
+    `(θ + 2σ) / highest`. First moments move the parts' masses and are used as estimated, and so is
+    friction, which does not enter the loop.
 
     Args:
         dt: time since the last tick [s].
@@ -38,11 +47,11 @@ def trust(dt: float, n: int, lowest: float, highest: float, b: Beliefs, P: Array
         b: the beliefs.
         P: covariance (p, p).
     """
-    share = dt / (FADING + dt)
+    share, shared = dt / (FADING + dt), shared_columns(n)
     for i in range(b.estimate.size):
         b.sigma[i] = math.sqrt(max(P[i, i], 0.0))
         wanted = b.estimate[i]
-        if i <= n or n + 4 <= i < 2 * n + 4:
+        if i <= n or shared <= i < shared + n:
             doubt = SURE * b.sigma[i]
             ceiling = max(b.nominal[i], (wanted - doubt) / lowest)
             floor = min(b.nominal[i], (wanted + doubt) / highest)
@@ -51,32 +60,42 @@ def trust(dt: float, n: int, lowest: float, highest: float, b: Beliefs, P: Array
 
 
 @kernel(is_part=True)
-def body(
-    i: int, n: int, tool: int, centre: Array, bodies: Array, used: Array, dynamic: Array
-) -> None:
+def body(i: int, n: int, tool: int, bodies: Array, used: Array, dynamic: Array) -> None:
     """Write the ten dynamic parameters of link `i`, its payload included, into `dynamic` (10,).
 
-    The payload is a point mass, which is possible wherever it lies and however heavy it is.
+    A link is the nominal one times its factor, moved as a whole within 5 cm. The payload is a point
+    mass within 30 cm of the tool. Both are possible wherever they lie and however heavy they are.
 
     Args:
         i: index of the link.
         n: number of joints.
         tool: index of the link that carries the tool.
-        centre: of the tool frame in that link's (3,) [m].
-        bodies: dynamic parameters of the nominal links (nv + 4, 10); the rest is not read.
+        bodies: dynamic parameters of the nominal links in the first rows; in the last one the place
+            of the tool in its link.
         used: the parameters (p,).
         dynamic: overwritten.
     """
     for k in range(10):
         dynamic[k] = used[i] * bodies[i, k]
-    m = used[n]
-    if i != tool or m <= 1e-9:
-        return
-    x, y, z = (
-        centre[0] + min(max(used[n + 1] / m, -FARTHEST), FARTHEST),
-        centre[1] + min(max(used[n + 2] / m, -FARTHEST), FARTHEST),
-        centre[2] + min(max(used[n + 3] / m, -FARTHEST), FARTHEST),
-    )
+    m, moment = dynamic[0], n + 4 + 3 * i
+    if m > LIGHTEST:
+        x, y, z = dynamic[1] / m, dynamic[2] / m, dynamic[3] / m
+        add_point(-m, x, y, z, dynamic)
+        x += clip(used[moment] / m, FARTHEST_LINK)
+        y += clip(used[moment + 1] / m, FARTHEST_LINK)
+        z += clip(used[moment + 2] / m, FARTHEST_LINK)
+        add_point(m, x, y, z, dynamic)
+    m, centre = used[n], bodies[-1]
+    if i == tool and m > LIGHTEST:
+        x = centre[0] + clip(used[n + 1] / m, FARTHEST)
+        y = centre[1] + clip(used[n + 2] / m, FARTHEST)
+        z = centre[2] + clip(used[n + 3] / m, FARTHEST)
+        add_point(m, x, y, z, dynamic)
+
+
+@kernel(is_part=True)
+def add_point(m: float, x: float, y: float, z: float, dynamic: Array) -> None:
+    """Add a point mass at a place to ten dynamic parameters, in Pinocchio's order."""
     dynamic[0] += m
     dynamic[1] += m * x
     dynamic[2] += m * y
@@ -93,12 +112,14 @@ def body(
 def add_friction(v_d: Array, used: Array, stribeck_velocity: float, h: Array) -> None:
     """Add the friction that the wanted speed `v_d` (nv,) will meet to the torque `h` (nv,).
 
-    It closes no loop: the speed is the wanted one. Its sign changes within 2 mrad/s.
+    It closes no loop: the speed is the wanted one.
     """
     n = v_d.size
+    damping = shared_columns(n) + n
+    friction, stribeck = damping + n, damping + 2 * n
     for j in range(n):
-        sign = math.tanh(v_d[j] / 2e-3)
-        h[j] += used[2 * n + 4 + j] * v_d[j] + used[3 * n + 4 + j] * sign
-        if used.size > 4 * n + 4:
+        sign = math.tanh(v_d[j] / SIGN_WIDTH)
+        h[j] += used[damping + j] * v_d[j] + used[friction + j] * sign
+        if used.size > stribeck:
             fall = math.exp(-((v_d[j] / stribeck_velocity) ** 2))
-            h[j] += used[4 * n + 4 + j] * sign * fall
+            h[j] += used[stribeck + j] * sign * fall
