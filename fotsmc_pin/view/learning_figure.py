@@ -10,7 +10,7 @@ from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.learning import recorded_estimates
 from fotsmc_pin.view.curves import thinned_curves
 from fotsmc_pin.view.figures import REFERENCE
-from fotsmc_pin.view.learning_tables import NAMES, unit_of
+from fotsmc_pin.view.learning_tables import unit_of
 from fotsmc_pin.view.marks import mark_axes
 from fotsmc_pin.view.palette import BLUE, GREY
 from fotsmc_pin.view.style import label_time, new_figure, paper_style
@@ -25,20 +25,33 @@ if TYPE_CHECKING:
     from fotsmc_pin.simulation import Recording
 
 ROW_HEIGHT = 0.82
-TITLE_SIZE, LABEL_SIZE, TICK_SIZE = 6.5, 6.5, 6.0
+TITLE_SIZE, LABEL_SIZE, TICK_SIZE = 6.0, 6.5, 6.0
 POINTS_AT_MOST = 500
 """Panels are small and many: a vector file shall stay small too."""
 BAND = 2.0
 """Standard deviations to either side that a band shows."""
 PAYLOAD = ("mass", "first moment x", "first moment y", "first moment z")
+TITLES = {
+    "link_scale": "mass, inertia",
+    "link_moment": "moments x, y, z",
+    "damping": "viscous",
+    "friction": "Coulomb",
+    "stribeck": "breakaway",
+}
+"""What a column is headed by, where it is not called like its group; short, for narrow panels."""
+BAND_ALPHA = (0.2, 0.1)
+"""Of a band that has its panel for itself, and of one of three."""
+DASHES = ("-", (0, (4, 1.5)), (0, (1, 1)))
+"""Lines of x, y and z."""
 
 
 def learning_figure(recording: Recording, joints: Sequence[int] | None = None) -> Figure:
     """What was learnt, with bands of two standard deviations: the payload, then a row per joint.
 
-    A parameter that is known at the end is blue, one that the motion did not tell is grey; a dashed
-    line is its nominal value. The axes are scaled to the estimate and its band at the end, so that
-    the band of the beginning may leave them.
+    A row shows a joint's own parameters and those of the link behind it. A parameter that is known
+    at the end is blue, one that the motion did not tell is grey; a dashed line is its nominal
+    value. The axes are scaled to the estimate and its band at the end, so that the band of the
+    beginning may leave them.
 
     Args:
         recording: a run of `ModelLearning`.
@@ -65,16 +78,24 @@ def learning_figure(recording: Recording, joints: Sequence[int] | None = None) -
             line[0].set_ylabel(name, fontsize=LABEL_SIZE)
         for column, group in enumerate(own):
             units: list[str] = []
+            found = estimates.group(group)
+            each = len(found) // recording.arm.nv
             for line, joint in zip(axes[1:], chosen, strict=True):
-                row = estimates.group(group)[joint]
-                _draw(line[column], recording, row, joint)
+                for k, row in enumerate(found[each * joint : each * (joint + 1)]):
+                    _draw(
+                        line[column],
+                        recording,
+                        row,
+                        each * joint + k,
+                        DASHES[k] if each == 3 else None,
+                    )
                 if not units or units[-1] != row.unit:
-                    _title(line[column], NAMES.get(group, group), row)
+                    _title(line[column], TITLES.get(group, group), row)
                 units.append(row.unit)
         panels: list[Axes] = [*axes.flat]
         for panel in panels:
             if not panel.lines:
-                panel.set_axis_off()
+                panel.set_visible(False)
             panel.tick_params(labelsize=TICK_SIZE)
             panel.yaxis.get_offset_text().set_fontsize(TICK_SIZE)
         figure.align_ylabels(axes[:, 0])
@@ -98,22 +119,30 @@ def _legend(figure: Figure) -> None:
     figure.legend(handles, words, loc="outside lower center", ncols=3, fontsize=LABEL_SIZE)
 
 
-def _draw(axes: Axes, recording: Recording, row: Estimate, column: int) -> None:
-    """Draw one parameter with its band, scaled to what it came to."""
+def _draw(axes: Axes, recording: Recording, row: Estimate, column: int, dashes: Any = None) -> None:
+    """Draw one parameter with its band; the panel is scaled to what all in it came to."""
     value = recording.signals[row.group][:, column]
     doubt = BAND * recording.signals[f"{row.group}_deviation"][:, column]
     t, curves = thinned_curves(
         recording.t, np.stack([value, value - doubt, value + doubt], axis=1), POINTS_AT_MOST
     )
     color = BLUE if row.known else GREY
-    axes.fill_between(t, curves[:, 1], curves[:, 2], color=color, alpha=0.2, linewidth=0)
+    others = [*axes.get_ylim()] if axes.lines else []
+    axes.fill_between(
+        t,
+        curves[:, 1],
+        curves[:, 2],
+        color=color,
+        alpha=BAND_ALPHA[dashes is not None],
+        linewidth=0,
+    )
     axes.axhline(row.first_value, **(REFERENCE | {"linewidth": 0.6}))
-    axes.plot(t, curves[:, 0], color=color, linewidth=0.9)
+    axes.plot(t, curves[:, 0], color=color, linewidth=0.9, linestyle=dashes or "-")
     seen = [row.first_value, value.min(), value.max(), value[-1] - doubt[-1], value[-1] + doubt[-1]]
-    low, high = min(seen), max(seen)
-    room = 0.08 * (high - low) or 1.0
+    room = 0.08 * (max(seen) - min(seen)) or 1.0
+    low, high = min([min(seen) - room, *others]), max([max(seen) + room, *others])
     axes.set_xlim(float(t[0]), float(t[-1]) if t[-1] > t[0] else float(t[0]) + 1.0)
-    axes.set_ylim(low - room, high + room)
+    axes.set_ylim(low, high)
 
 
 def _title(axes: Axes, quantity: str, row: Estimate) -> None:

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 NAMES = {
     "link_scale": "mass and inertia",
+    "link_moment": "first moment",
     "payload": "payload",
     "armature": "armature",
     "damping": "viscous friction",
@@ -28,6 +29,8 @@ NAMES = {
     "stribeck": "breakaway friction",
 }
 """What a group of parameters is called."""
+AXIS = "along "
+"""What stands before the axis of a moment."""
 HEAD = ("parameter", "of", "learnt", "nominal", "unit")
 
 
@@ -39,11 +42,16 @@ def name_of(row: Estimate) -> str:
 
 
 def owner_of(row: Estimate) -> str:
-    """Return the link, joint or direction; of links that move as one, the first and a number."""
+    """Return the link, joint or direction; of links that move as one, the first and a number.
+
+    A link's moment is told with its direction.
+    """
     if row.group == "payload":
         return "tool" if row.of == "mass" else row.of.removeprefix("moment ")
-    first, *others = row.of.split(" and ")
-    return f"{first} and {len(others)} more" if others else first
+    links, axis = row.of.rsplit(" ", 1) if row.group == "link_moment" else (row.of, "")
+    first, *others = links.split(" and ")
+    owner = f"{first} and {len(others)} more" if others else first
+    return f"{owner} {AXIS}{axis}" if axis else owner
 
 
 def whole_name(name: str, owner: str) -> str:
@@ -86,14 +94,30 @@ def untold(estimates: Estimates) -> str:
 
     Those that were held fixed, as their deviation beforehand was 0, are no question.
     """
-    groups: dict[str, list[str]] = {}
-    for row in estimates:
-        if not row.known and row.first_deviation > 0.0:
-            groups.setdefault(name_of(row), []).append(owner_of(row))
-    if not groups:
-        return ""
-    told = (whole_name(name, ", ".join(owners)) for name, owners in groups.items())
-    return f"The motion could not tell: {'; '.join(told)}."
+    asked = [row for row in estimates if row.first_deviation > 0.0]
+    names = dict.fromkeys(name_of(row) for row in asked if not row.known)
+    told = [_without([row for row in asked if name_of(row) == name]) for name in names]
+    return f"The motion could not tell: {'; '.join(told)}." if told else ""
+
+
+def _without(rows: Sequence[Estimate]) -> str:
+    """Return name and owners of those of one kind that are not known."""
+    name, group = name_of(rows[0]), rows[0].group
+    if len(rows) > 1 and group != "payload" and not any(row.known for row in rows):
+        return f"{name} of every {'link' if group.startswith('link') else 'joint'}"
+    return whole_name(name, _joined([owner_of(row) for row in rows if not row.known]))
+
+
+def _joined(owners: Sequence[str]) -> str:
+    """Return owners with commas between them; directions of one link follow its name once."""
+    shown: dict[str, list[str]] = {}
+    for owner in owners:
+        link, along, axis = owner.partition(f" {AXIS}")
+        shown.setdefault(link, []).extend([axis] if along else [])
+    return ", ".join(
+        f"{link} {AXIS}{' and '.join(axes)}" if len(axes) in (1, 2) else link
+        for link, axes in shown.items()
+    )
 
 
 def noticed(rec: Recording) -> str:

@@ -30,7 +30,10 @@ TICK = 1e-3
         f"is more than {WORDS[estimator.SURPRISING]} times",
         f"fade into the law's model over {trust.FADING:g} s",
         rf"\((\hat\theta - {trust.SURE:g}\sigma)/m_\mathrm{{low}}\)",
+        f"at most {trust.FARTHEST_LINK:g} m from the nominal one",
         f"at most {trust.FARTHEST:g} m from the tool",
+        rf"\tanh(v_d/{1e3 * trust.SIGN_WIDTH:g}\,\mathrm{{mrad/s}})",
+        f"| centre of mass of a link | {parameters.CENTRES:g} m along each axis |",
         f"| factor on a link | {parameters.LINKS:g} |",
         f"| payload | {parameters.PAYLOAD:g} of the mass of all moving links, its centre within "
         f"{parameters.OFFSET:g} m of the tool frame |",

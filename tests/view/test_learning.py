@@ -82,14 +82,17 @@ class TestRecording:
 class TestFigure:
     def test_a_panel_for_each_parameter_with_a_line_at_each_event(self, run):
         figure = learning_figure(run)
-        shown = [axes for axes in figure.axes if axes.axison]
-        # Four of the payload; link, armature, and three kinds of friction of each joint.
-        assert len(shown) == 4 + 2 * 5
+        shown = [axes for axes in figure.axes if axes.get_visible()]
+        # Four of the payload; of each joint the link's factor and moments, armature, and three
+        # kinds of friction.
+        assert len(shown) == 4 + 2 * 6
+        curves = [len(axes.collections) for axes in shown]
+        assert sum(curves) == len(recorded_estimates(run)), "a band for each parameter"
+        assert sorted(set(curves)) == [1, 3]
         for axes in shown:
             assert any(np.all(np.equal(line.get_xdata(), PICKED)) for line in axes.lines)
-            assert len(axes.collections) == 1, "the band"
         titles = [axes.get_title(loc="left") for axes in shown]
-        for title in ("mass [kg]", "armature [kg·m²]", "Coulomb friction [N·m]"):
+        for title in ("mass [kg]", "armature [kg·m²]", "Coulomb [N·m]"):
             assert title in titles
 
     def test_the_band_is_two_deviations_wide_at_the_end(self, run):
@@ -106,7 +109,7 @@ class TestFigure:
 
     def test_plot_writes_it_and_refuses_a_run_that_learnt_nothing(self, run, two_link, tmp_path):
         (file,) = fp.plot(run, tmp_path / "estimates.svg", kind="estimates")
-        assert "viscous friction" in file.read_text("utf-8")
+        assert "moments x, y, z" in file.read_text("utf-8")
         with pytest.raises(ArgumentError, match="learnt nothing"):
             fp.plot(two_link, tmp_path / "none.svg", kind="estimates")
         assert not (tmp_path / "none.svg").exists()
@@ -145,20 +148,35 @@ class TestWords:
             row_of(of="wrist", deviation=0.4),
             row_of(of="shoulder", deviation=0.0, first_deviation=0.0),
             row_of(group="payload", of="moment z", unit="kg·m", deviation=0.4),
+            row_of(group="link_moment", of="arm x", unit="kg·m", deviation=0.4),
+            row_of(group="link_moment", of="arm y", unit="kg·m", deviation=0.0),
+            row_of(group="link_moment", of="arm z", unit="kg·m", deviation=0.4),
             row_of(group="link_scale", of="hand and left and right", unit="", deviation=0.3),
         )
         estimates = Estimates(rows)
         assert known_lines(estimates) == [
-            ["Coulomb friction", "elbow", "0.500 ± 0.010", "0", "N·m"]
+            ["Coulomb friction", "elbow", "0.500 ± 0.010", "0", "N·m"],
+            ["first moment", "arm along y", "0.5", "0", "kg·m"],
         ]
         assert untold(estimates) == (
             "The motion could not tell: Coulomb friction of wrist; payload, first moment along z; "
-            "mass and inertia of hand and 2 more."
+            "first moment of arm along x and z; mass and inertia of hand and 2 more."
         )
         written = learning_markdown(estimates)
         assert "| Coulomb friction | elbow | 0.500 ± 0.010 | 0 | N·m |" in written
-        assert "Nothing is known" in learning_markdown(Estimates(rows[1:]))
+        assert "Nothing is known" in learning_markdown(Estimates(rows[1:4]))
         assert untold(Estimates(rows[:1])) == ""
+
+    def test_many_of_one_kind_are_told_in_few_words(self):
+        axes = [f"{link} {axis}" for link in ("arm", "hand") for axis in "xyz"]
+        rows = [row_of(group="link_moment", of=of, unit="kg·m", deviation=0.4) for of in axes]
+        rows += [row_of(group="damping", of=of, deviation=0.4) for of in ("elbow", "wrist")]
+        told = untold(Estimates((*rows, row_of()))).removeprefix("The motion could not tell: ")
+        assert told == "first moment of every link; viscous friction of every joint."
+        known = [row_of(group="link_moment", of="arm x", unit="kg·m"), *rows[3:6]]
+        assert untold(Estimates(tuple(known))) == (
+            "The motion could not tell: first moment of hand."
+        )
 
     def test_the_times_at_which_the_payload_was_found_to_be_another(self, run, two_link):
         times = [float(word) for word in noticed(run).replace(" s", "").split(",")]
