@@ -58,21 +58,32 @@ class _Tick:
             *controller.state,
             controller.joints.tau,
         ]
-        self._kept = self.memory()
-        self._rest = np.zeros(self.arm.nv)
         self._neutral = np.array(self.arm.neutral)  # Compiled calls are slow on a read-only array.
+        self._torques = [getattr(controller.state, name) for name in controller.torque_rows]
+        self._mass = np.array(self.arm.mass_matrix(self._neutral))
+        self._kept = [part.copy() for part in self._parts]
+        self._rest = np.zeros(self.arm.nv)
 
     def memory(self) -> Array:
-        return np.concatenate([part.ravel() for part in self._parts])
+        """Return all states; torques as accelerations, each of which belongs to one joint."""
+        return np.concatenate([self._by_joint(part).ravel() for part in self._parts])
 
     def restore(self, memory: Array) -> None:
         start = 0
         for part in self._parts:
-            part[...] = memory[start : start + part.size].reshape(part.shape)
+            row = memory[start : start + part.size].reshape(part.shape)
+            part[...] = self._mass @ row if self._is_torque(part) else row
             start += part.size
 
+    def _by_joint(self, part: Array) -> Array:
+        return np.array(np.linalg.solve(self._mass, part)) if self._is_torque(part) else part
+
+    def _is_torque(self, part: Array) -> bool:
+        return any(part is torque for torque in self._torques)
+
     def put_back(self) -> None:
-        self.restore(self._kept)
+        for part, kept in zip(self._parts, self._kept, strict=True):
+            part[...] = kept
 
     def __call__(self, memory: Array, e: Array, ed: Array) -> tuple[Array, Array]:
         """Return the memory after a tick and the commanded acceleration `M0⁻¹ (τ - h0)`."""

@@ -18,6 +18,8 @@ POWERS = {"1/s": 1, "rad/s": 1, "1/s²": 2, "1/s³": 3}
 """Units of gains that are rates, with the power of the rate that they are."""
 FILTERS = frozenset({"filter_rate"})
 """Rates that may be as high as they like: a filter that fast lets everything through."""
+SPEEDS = frozenset({"approach"})
+"""Speeds of joints in rad/s, which are no rates."""
 LARGEST_STEP = 0.5
 """Product of a rate and the period above which a sampled loop has lost its damping."""
 
@@ -109,7 +111,7 @@ def warn_of_slow_ticks(gains: Gains, dt: float, law: object = None) -> None:
     rates = {
         f.name: float(np.max(getattr(gains, f.name))) ** (1.0 / POWERS[f.metadata["unit"]])
         for f in fields(gains)
-        if f.metadata.get("unit") in POWERS and f.name not in FILTERS
+        if f.metadata.get("unit") in POWERS and f.name not in FILTERS | SPEEDS
     }
     too_fast = {name: rate for name, rate in rates.items() if rate * dt > LARGEST_STEP}
     if too_fast:

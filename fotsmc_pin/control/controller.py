@@ -69,6 +69,8 @@ class Controller(SharesNothing, ABC, Generic[G]):
         streams: the fractional operators, by name, each a function of the gains and `dt`.
         signal_rows: which row of `State` or `Work` is shown under which name; several rows that
             hold one number each are shown as one vector.
+        torque_rows: rows of `State` that hold torques; of a coupled arm one joint's error moves all
+            entries of those, which whoever linearises the law must know.
         presets: sets of gains by name; the first one is the default.
         representative: the law stands for one whose source could not be found.
         uses_model: whether the tick reads `M0` and `h0`, which are then evaluated.
@@ -92,6 +94,7 @@ class Controller(SharesNothing, ABC, Generic[G]):
     Work: ClassVar[type] = NoRows
     streams: ClassVar[Streams] = {}
     signal_rows: ClassVar[SignalRows] = {}
+    torque_rows: ClassVar[tuple[str, ...]] = ()
     presets: ClassVar[Mapping[str, Mapping[str, Any]]] = {"default": {}}
     representative: ClassVar[bool] = False
     uses_model: ClassVar[bool] = True

@@ -122,12 +122,15 @@ class RobustFONFTSMKeywords(TypedDict, total=False):
     lam: PerJoint
     power: float
     reach: PerJoint | None
+    approach: PerJoint | None
+    approach_rate: PerJoint
     theta: PerJoint
     mu: float
     integral: PerJoint
     boundary_layer: PerJoint
     observer: PerJoint
     rotor_limit: PerJoint | None
+    rotor_doubt: PerJoint | None
     floor_share: PerJoint
     floor_rate: PerJoint
     floor_limit: PerJoint | None

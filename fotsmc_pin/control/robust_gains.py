@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fotsmc_pin.control.approach import speed_of_limits
 from fotsmc_pin.control.gains import DERIVED, Gains, flag, per_joint, scalar
 from fotsmc_pin.control.inertia_floor import largest_floor
-from fotsmc_pin.control.rotor_search import largest_rotor
+from fotsmc_pin.control.rotor_search import doubtful_rotor, largest_rotor
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -41,6 +42,9 @@ class RobustFONFTSMGains(Gains):
         power: `p/q`, between 1 and 2 as the paper's proof demands.
         reach: error `ē` beyond which the surface asks for no more speed, so that a large start
             error takes no large torque. By default `reach_of_limits`.
+        approach: speed `v_a` at which an error is closed that is larger than about `v_a / 100 s`;
+            inf leaves it to the surface. By default 0.8 of the arm's velocity limits.
+        approach_rate: rate `κ` at which such a way ends.
         theta: gain `Θ` of the reaching law.
         mu: power `μ` of the reaching law.
         integral: rate `b` of the integral that stands in place of a sign; 0 switches it off.
@@ -48,6 +52,8 @@ class RobustFONFTSMGains(Gains):
         observer: bandwidth `K` of the disturbance observer; 0 switches it off.
         rotor_limit: bound of the rotor inertia that is found from oscillation; 0 switches the
             search off. By default `largest_rotor` of the arm.
+        rotor_doubt: bound of the part that is found as a joint brakes on its way home; 0 leaves it
+            to oscillation. By default three times the model's armature.
         floor_share: how much inertia is added per disturbance torque; 0 switches the floor off.
         floor_rate: bandwidth `ω_f` of the torque that the added inertia asks for.
         floor_limit: the most that is added. By default `largest_floor` of the arm.
@@ -62,12 +68,16 @@ class RobustFONFTSMGains(Gains):
     lam: Array = per_joint(2.0, "rad^(1-p/q) s^-(1+α)", at_least=0.0)
     power: float = scalar(1.1, above=1.0, below=2.0)
     reach: Array = per_joint(DERIVED, "rad", above=0.0)
+    approach: Array = per_joint(DERIVED, "rad/s", above=0.0, unlimited=True)
+    approach_rate: Array = per_joint(8.0, "1/s", above=0.0)
+
     theta: Array = per_joint(21.0, "1/s", above=0.0)
     mu: float = scalar(0.99, above=0.0, below=1.0)
     integral: Array = per_joint(50.0, "rad s^-(3+α)", at_least=0.0)
     boundary_layer: Array = per_joint(0.05, "rad s^-(1+α)", above=0.0)
     observer: Array = per_joint(88.0, "rad/s", at_least=0.0)
     rotor_limit: Array = per_joint(DERIVED, "kg·m²", at_least=0.0, unlimited=True)
+    rotor_doubt: Array = per_joint(DERIVED, "kg·m²", at_least=0.0)
     floor_share: Array = per_joint(0.16, "s²/rad", at_least=0.0)
     floor_rate: Array = per_joint(25.0, "rad/s", above=0.0)
     floor_limit: Array = per_joint(DERIVED, "kg·m²", at_least=0.0, unlimited=True)
@@ -80,8 +90,10 @@ class RobustFONFTSMGains(Gains):
         given = {name: known[name] for name in ("bandwidth", "alpha", "tempering", "A", "lam")}
         return {
             "reach": reach_of_limits(arm=arm, dt=dt, **given),
+            "approach": speed_of_limits(arm),
             "floor_limit": largest_floor(arm),
             "rotor_limit": largest_rotor(arm),
+            "rotor_doubt": doubtful_rotor(arm),
         }
 
 
@@ -126,6 +138,7 @@ def scaled(gains: RobustFONFTSMGains, dt: float) -> RobustFONFTSMGains:
         A=gains.A * surface,
         lam=gains.lam * surface,
         theta=gains.theta * factor,
+        approach_rate=gains.approach_rate * factor,
         integral=gains.integral * factor ** (3.0 + gains.alpha),
         boundary_layer=gains.boundary_layer * surface,
         observer=gains.observer * factor,

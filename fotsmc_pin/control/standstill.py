@@ -3,7 +3,8 @@
 A law with two integrals in a row hunts against dry friction for ever; one with a single integral
 does not, and needs long to arrive. `follow_rest` says how much a joint's reference rests, by which
 the second integral is faded out. `watch_standstill` finds the joints that dry friction holds, on
-which the single integral may pause once the error is small.
+which the single integral may pause once the error is small, and the torque stay as it is: noise
+and what the neighbours ask would walk a joint that stands near the limit of its friction.
 """
 
 from __future__ import annotations
@@ -20,16 +21,16 @@ if TYPE_CHECKING:
 
 SLOW, GENTLE = 0.02, 0.2
 """Speed [rad/s] and acceleration [rad/s²] below which a reference counts as at rest."""
-REST_RATE = 10.0
+REST_RATE = 30.0
 """Rate at which rest is believed, and doubted [1/s]."""
-SMOOTHING = 20.0
-"""Bandwidth in which position and command are watched [rad/s]."""
+WATCHING, SMOOTHING = 100.0, 20.0
+"""Bandwidths in which position and torque are watched [rad/s]."""
 MOVED = 3e-5
 """Travel after which a joint has moved [rad]: above an encoder's noise once that is smoothed."""
-PUSHED = 0.5
-"""Change of the commanded acceleration that moves a joint which nothing holds [rad/s²].
+PUSHED = 0.3
+"""Change of the torque over the inertia that moves a joint which nothing holds [rad/s²].
 
-In `1 / SMOOTHING` seconds it moves a free joint of ten times the nominal inertia by 60 µrad.
+In `1 / SMOOTHING` seconds it moves a free joint of ten times the nominal inertia by 37 µrad.
 """
 NEAR = 1.5e-4
 """Error at which a joint that sticks is left in peace [rad]."""
@@ -43,7 +44,7 @@ NEGLIGIBLE = 1e-5
 def follow_rest(dt: float, x: Joints, rest: Array) -> None:
     """Move `ρ` (nv,) by one tick: 1 where the reference of a joint rests, 0 where it moves.
 
-    `ρ` follows `exp(-(v_d / 0.02)² - (a_d / 0.2)²)` at the rate 10/s.
+    `ρ` follows `exp(-(v_d / 0.02)² - (a_d / 0.2)²)` at the rate 30/s.
     """
     share = REST_RATE * dt / (1.0 + REST_RATE * dt)
     for i in range(rest.size):
@@ -52,11 +53,12 @@ def follow_rest(dt: float, x: Joints, rest: Array) -> None:
 
 
 @kernel(is_part=True)
-def watch_standstill(dt: float, x: Joints, push: Array, m: State) -> None:
-    """Find the joints that stick (`held`), and those that have been exact all along (`kept`).
+def watch_standstill(dt: float, x: Joints, push: Array, inertia: Array, m: State) -> None:
+    """Find the joints that stick, those held near their goal, and those exact all along (`kept`).
 
-    A joint sticks while the command changes by more than `PUSHED` and it has not moved by `MOVED`:
-    what nothing holds would have moved. It counts as held where it is near its goal besides. A
+    A joint sticks where its torque changes by more than `PUSHED` and it has not moved by `MOVED`:
+    what nothing holds would have moved. It counts as held where it is near its goal besides. (A
+    joint that is exact all along may stand still because a disturbance is being compensated.) A
     joint that slips past its goal and sticks on the other side eight times, and so would hunt for
     ever (friction that falls with speed does that), is left at the smaller of two errors until its
     reference moves.
@@ -64,22 +66,27 @@ def watch_standstill(dt: float, x: Joints, push: Array, m: State) -> None:
     Args:
         dt: time since the last tick [s].
         x: rows of the joints, for the error.
-        push: commanded torque beside `C0 v + G0`, over the joint's own inertia (nv,) [rad/s²]. Not
-            the commanded acceleration, which moves while an inertia that was added is taken away.
+        push: torque beside `C0 v + G0` (nv,) [N·m].
+        inertia: the joint's own, with what is added (nv,) [kg·m²].
         m: the law's state.
     """
-    share = SMOOTHING * dt / (1.0 + SMOOTHING * dt)
+    watching = WATCHING * dt / (1.0 + WATCHING * dt)
+    smoothing = SMOOTHING * dt / (1.0 + SMOOTHING * dt)
     for i in range(push.size):
-        m.smooth_e[i] += share * (x.e[i] - m.smooth_e[i])
-        m.smooth_u[i] += share * (push[i] - m.smooth_u[i])
+        m.smooth_e[i] += watching * (x.e[i] - m.smooth_e[i])
+        m.smooth_u[i] += smoothing * (push[i] - m.smooth_u[i])
         if m.rest[i] < 0.5:
             m.stuck_e[i] = m.slips[i] = m.allowed[i] = 0.0
             m.kept[i] = 1.0
         elif abs(x.e[i]) > NEGLIGIBLE:
             m.kept[i] = 0.0
         if m.rest[i] < 0.5 or abs(m.smooth_e[i] - m.last_e[i]) > MOVED:
-            m.last_e[i], m.last_u[i], m.held[i] = m.smooth_e[i], m.smooth_u[i], 0.0
-        elif m.held[i] == 0.0 and abs(m.smooth_u[i] - m.last_u[i]) > PUSHED:
+            m.last_e[i], m.last_u[i] = m.smooth_e[i], m.smooth_u[i]
+            m.stuck[i] = m.held[i] = 0.0
+        elif (
+            m.kept[i] + m.held[i] == 0.0 and abs(m.smooth_u[i] - m.last_u[i]) > PUSHED * inertia[i]
+        ):
+            m.stuck[i] = 1.0
             error, before = m.smooth_e[i], m.stuck_e[i]
             if error * before < 0.0:
                 m.slips[i] += 1.0

@@ -212,14 +212,31 @@ class TestSensorsAndFriction:
 
 
 class TestFarStart:
+    @pytest.mark.parametrize("rotors", [{"nominal": 200, "true": 150}, {}], ids=["rotors", "raw"])
     @pytest.mark.parametrize("start", [0.5, 1.5, 3.0])
     @pytest.mark.parametrize("name", ["panda", "ur5", "kinova"])
-    def test_the_way_keeps_the_velocity_limits(self, name, start):
-        rec = run(name, hold, 8.0, nominal=200, true=150, start=start)
+    def test_the_way_keeps_the_velocity_limits(self, name, start, rotors):
+        rec = run(name, hold, 9.0, start=start, **rotors)
         limit = fp.load_arm(name).velocity_limit
         assert (np.abs(rec.v - rec.v_d).max(axis=0) < 1.1 * limit).all()
         assert -rec.e.min() < 0.05 * start
         assert rms(last(rec, 1.0)) < 1e-3
+
+    def test_without_a_leading_point_a_wrist_shoots_past(self):
+        courses = [run("so100", hold, 4.0, **off).e for off in ({}, {"approach": np.inf})]
+        assert -courses[0].min() < 0.01 < 0.1 < -courses[1].min()
+
+    def test_a_small_error_is_left_to_the_surface(self):
+        courses = [run("two_link", hold, 0.5, start=0.05, **off) for off in ({}, {"approach": 1e9})]
+        assert np.abs(courses[0].e).max() > 0.04
+        np.testing.assert_array_equal(courses[0].tau, courses[1].tau)
+
+    def test_a_joint_that_brakes_shows_its_rotor(self):
+        rec = run("z1", hold, 1.5, nominal=200, true=50)
+        lacks = fp.load_arm("z1").effort_limit * (1.0 / 50.0 - 1.0 / 200.0)
+        share = rec.signals["rotor"][-1] / lacks
+        assert (share > 0.1).all()
+        assert (share < 1.0).all()
 
 
 class TestBandwidth:

@@ -44,8 +44,12 @@ class TestTwoLinkCase:
     def test_what_keeps_the_tail_small(self, with_defaults, missing, worse):
         assert two_link_case(**missing).tail_rms_error > worse * with_defaults.tail_rms_error
 
-    def test_the_bounded_reach_takes_the_peak_off(self, with_defaults):
-        assert two_link_case(reach=1e3).peak_torque > 1.5 * with_defaults.peak_torque
+    def test_the_bounded_reach_takes_the_peak_off(self):
+        bounded, wide = (two_link_case(approach=np.inf, reach=r).peak_torque for r in (0.25, 1e3))
+        assert wide > 1.5 * bounded
+
+    def test_a_leading_point_takes_more_off(self, with_defaults):
+        assert with_defaults.peak_torque < 0.75 * two_link_case(approach=np.inf).peak_torque
 
 
 class TestInertiaFloor:
@@ -118,7 +122,8 @@ class TestObservers:
             law = RobustFONFTSM(arm, DT, anti_windup=anti_windup)
             rec = simulate(arm, law, reference, 4.0, q0=start)
             overshoot.append(max(-rec.e[:, 0].min(), rec.e[:, 1].max()))
-        assert overshoot[0] < 0.5 * overshoot[1]
+        assert overshoot[0] < 1e-3
+        assert overshoot[1] > 0.5
 
 
 def test_a_loop_that_is_far_too_fast_saturates_and_stays_finite():
@@ -132,7 +137,7 @@ def test_a_loop_that_is_far_too_fast_saturates_and_stays_finite():
         tau = law.update(arm.integrate(q_d, e), 20.0 * e, q_d, rest, rest)
         assert np.isfinite(tau).all()
     assert all(np.isfinite(row).all() for row in law.state)
-    assert np.abs(law.state.e_dot_a).max() < 1e3
+    assert np.abs(law.state.T).max() < 1e2 * arm.effort_limit.max()
 
 
 class TestGains:

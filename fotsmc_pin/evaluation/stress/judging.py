@@ -57,6 +57,7 @@ class StressRow:
             is that of the motors and this.
         static_deflection: what it would be if each spring stood under the torque that the true
             links need along the reference [rad].
+        bandwidth: at which a law ran on elastic joints; None for rigid ones, or a law without it.
         text: plant and course in words.
     """
 
@@ -78,6 +79,7 @@ class StressRow:
     motor_rms_error: float | None = None
     deflection: float | None = None
     static_deflection: float | None = None
+    bandwidth: float | None = None
     text: str = ""
 
     @property
@@ -115,12 +117,14 @@ def run_row(
         duration: simulated time [s]; None for the course's.
     """
     course = scenario.course if duration is None else lasting(scenario.course, duration)
+    elastic = bool(np.isfinite(scenario.true.joint_stiffness).any())
     lost = StressRow(
         arm=scenario.arm.name,
         controller=label,
         scenario=scenario.name,
         variant=scenario.variant,
         text=scenario.text,
+        bandwidth=getattr(controller.gains, "bandwidth", None) if elastic else None,
     )
     try:
         rec = scenario.run(controller, course.duration)
@@ -131,6 +135,7 @@ def run_row(
         scenario=lost.scenario,
         variant=lost.variant,
         text=lost.text,
+        bandwidth=lost.bandwidth,
     )
     if scenario.twin is None:
         return row

@@ -12,6 +12,7 @@ from fotsmc_pin.arms import load_arm
 from fotsmc_pin.control import CONTROLLERS, Controller, warn_of_gravity
 from fotsmc_pin.evaluation.stress.cases import chosen_cases
 from fotsmc_pin.evaluation.stress.judging import StressRow, run_row
+from fotsmc_pin.evaluation.stress.springs import fitted_to_springs
 from fotsmc_pin.learning import ModelLearning
 from fotsmc_pin.learning.described import LABEL
 from fotsmc_pin.progress import reporting
@@ -70,6 +71,7 @@ def stress(
 
     Warns:
         GravityWarning: gravity asks an arm for more than its effort limits.
+        BandwidthWarning: a law is too fast for the springs of a case "elastic".
     """
     loaded = [load_arm(arm) if isinstance(arm, str) else arm for arm in arms]
     makers, cases = _makers(controllers), chosen_cases(scenarios)
@@ -104,7 +106,8 @@ class Run:
     def __call__(self) -> StressRow:
         """Carry it out."""
         scenario = self.case.scenario_of(self.arm, duration=self.duration, seed=self.seed)
-        law = self.make(scenario.arm, scenario.dt)
+        made = self.make(scenario.arm, scenario.dt)
+        law = fitted_to_springs(made, scenario)
         controller = ModelLearning(law, delay=scenario.delay) if self.learn else law
         return run_row(scenario, controller, self.label)
 

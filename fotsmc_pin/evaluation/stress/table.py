@@ -39,6 +39,7 @@ METRICS: Mapping[str, Metric] = {
     "tail RMS error of the motors [mrad]": lambda row: _scaled(row.motor_rms_error),
     "RMS deflection of the springs [mrad]": lambda row: _scaled(row.deflection),
     "RMS deflection under the static torque [mrad]": lambda row: _scaled(row.static_deflection),
+    "bandwidth on elastic joints": lambda row: row.bandwidth,
 }
 """What a matrix can show, by title."""
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import fotsmc_pin as fp
+from fotsmc_pin.analysis import BandwidthWarning
 from fotsmc_pin.control import RobustFONFTSM
 from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.evaluation.stress import SCENARIOS, Rest, chosen_cases, stress, stress_scenario
@@ -260,3 +261,13 @@ def test_processes_give_the_same_rows():
     two = stress(["asr_twodof", "two_link"], ["LinearSMC"], **options, jobs=2)
     assert one == two
     assert [row.label for row in one[:3]] == ["sine raw", "sine rotors", "delay"]
+
+
+def test_encoders_on_the_links_run_at_the_bandwidth_that_the_springs_bear():
+    with pytest.warns(BandwidthWarning, match="link side"):
+        (row,) = stress(["z1"], ["RobustFONFTSM"], scenarios="elastic 1000 link")
+    assert row.bandwidth is not None
+    assert 0.1 < row.bandwidth < 0.3
+    assert row.tail_rms_error < 0.03  # friction and payload, which such slow rates reject late
+    assert row.largest_swing is not None
+    assert row.largest_swing < 5e-3
