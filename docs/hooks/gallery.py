@@ -23,7 +23,10 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).parents[2]
 CACHE = ROOT / "out" / "site"
-EXAMPLES = ("quickstart", "two_link", "own_urdf", "own_controller", "compare", "panda_payload")
+EXAMPLES = (
+    *("quickstart", "two_link", "own_urdf", "own_controller", "compare", "panda_payload"),
+    "pick_and_drop",
+)
 SHOWN = (".html", ".svg", ".md")
 
 COMMANDS: dict[str, list[list[str]]] = {

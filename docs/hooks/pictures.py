@@ -20,6 +20,7 @@ SHOTS = {
     "own_controller/own_controller.html": 3.5,
     "compare/compare.html": 5.0,
     "panda_payload/panda_payload.html": 4.0,
+    "pick_and_drop/pick_and_drop.html": 4.5,
 }
 """Pages, and the times at which they are pictured [s]."""
 

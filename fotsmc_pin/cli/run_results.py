@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from fotsmc_pin.cli.output import file_name, show_table
+from fotsmc_pin.cli.run_learnt import keep_learnt
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from fotsmc_pin.analysis import Summary
     from fotsmc_pin.arms import Arm
     from fotsmc_pin.control import Controller
+    from fotsmc_pin.learning import ModelLearning
     from fotsmc_pin.simulation import Recording
 
 SMALL = {"rad": "mrad", "m": "mm"}
@@ -28,7 +30,7 @@ class Told:
     """What was run, for the table."""
 
     nominal: Arm
-    controller: Controller[Any]
+    controller: Controller[Any] | ModelLearning
     reference: str
     true: str | None
     disturbance: str
@@ -70,6 +72,7 @@ def keep_results(rec: Recording, told: Told, folder: Path) -> Path:
     )
     rows.append(("ticks at an effort limit", f"{100 * summary.saturation_fraction:.3g} %"))
     show_table(told.nominal.name, rows)
+    keep_learnt(rec, told.controller, folder)
     _warn_where_unsettled(rec, by_unit)
     return page
 
@@ -88,7 +91,7 @@ def _run_rows(rec: Recording, told: Told) -> list[tuple[str, str]]:
     ]
     seconds, tick = rec.t[-1] - rec.t[0], 1e3 * controller.dt
     rows = [
-        ("law", f"{type(controller).__name__}, preset {controller.preset}"),
+        ("law", f"{rec.metadata['controller']}, preset {controller.preset}"),
         ("reference", f"{told.reference}; {seconds:.4g} s, ticks of {tick:g} ms"),
         ("nominal arm", f"{told.nominal.name}, {told.nominal.nv} joints"),
         ("true arm", "; ".join(changes) or "as the nominal arm"),

@@ -11,6 +11,7 @@ import typer
 
 from fotsmc_pin.cli.arm_options import ArmName, ArmOptions
 from fotsmc_pin.cli.groups import with_groups
+from fotsmc_pin.cli.law_options import PANEL as LAW_PANEL
 from fotsmc_pin.cli.law_options import LawOptions
 from fotsmc_pin.cli.output import (
     INTERRUPTED,
@@ -39,6 +40,15 @@ def simulate(
     *,
     arm_options: ArmOptions,
     law: LawOptions,
+    learn: Annotated[
+        bool,
+        typer.Option(
+            "--learn",
+            help="Let the law learn its model while the arm moves, and keep what was learnt as "
+            "estimates.md, estimates.json and learned.urdf. --delay is known to it.",
+            rich_help_panel=LAW_PANEL,
+        ),
+    ] = False,
     true: Annotated[
         str | None,
         typer.Option(
@@ -108,12 +118,13 @@ def simulate(
     from fotsmc_pin.cli.run_events import events, wrenches
     from fotsmc_pin.cli.run_references import task as find_task
     from fotsmc_pin.cli.run_results import Told, keep_results
+    from fotsmc_pin.learning import ModelLearning
     from fotsmc_pin.references import warn_of_limits
 
     nominal = arm_options.load(arm)
     make_true = partial(_true_arm, nominal, true, options=arm_options)
     plant_arm = make_true(plant)
-    controller = law.make(nominal, dt)
+    bare = law.make(nominal, dt)
     task = find_task(reference, nominal)
     seconds = task.duration if duration is None else duration
     folder = result_folder(out or Path("out") / file_name(nominal.name), force=force)
@@ -124,7 +135,8 @@ def simulate(
     q0 = nominal.integrate(task.q_start, [start_error] * nominal.nv)
     warn_of_missing_rotors(nominal)
     warn_of_limits(plant_arm, task.reference, seconds)
-    warn_of_soft_joints(controller, plant_arm, encoder="motor", delay=delay)
+    warn_of_soft_joints(bare, plant_arm, encoder="motor", delay=delay)
+    controller = ModelLearning(bare, delay=delay) if learn else bare
     told = Told(
         nominal=nominal,
         controller=controller,

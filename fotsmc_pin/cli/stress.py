@@ -62,9 +62,18 @@ def stress(
         bool, typer.Option("--ablation", help="RobustFONFTSM without each of its ingredients.")
     ] = False,
     draws: Annotated[
-        int, typer.Option(help="Run RobustFONFTSM in this many random scenarios instead.")
+        int,
+        typer.Option(
+            help="Run the laws, RobustFONFTSM by default, in this many random scenarios instead."
+        ),
     ] = 0,
     first_seed: Annotated[int, typer.Option(help="Seed of the first random scenario.")] = 0,
+    learn: Annotated[
+        bool,
+        typer.Option(
+            "--learn", help="Let every law learn its model while the arm moves; a PID does not."
+        ),
+    ] = False,
     duration: Annotated[
         float | None,
         typer.Option(help="Simulated time of a run [s]; by default each scenario's own."),
@@ -85,14 +94,17 @@ def stress(
         raise ArgumentError(
             "--scenario", scenario, "leave it out with --draws, --ablation and --pid-trials"
         )
+    if learn and ablation:
+        raise ArgumentError("--learn", learn, "leave it out with --ablation")
     folder = None if out is None else result_folder(out, force=force)
     rows: list[StressRow] = []
     seeds: list[int] = []
     for arm in [arm_options.load(name) for name in arms]:
         if draws:
-            drawn = _drawn(arm, draws, first_seed, duration)
-            rows += [found.row for found in drawn]
-            seeds += [found.seed for found in drawn]
+            for law in controller or ["RobustFONFTSM"]:
+                drawn = _drawn(arm, law, draws, first_seed, duration, learn=learn)
+                rows += [found.row for found in drawn]
+                seeds += [found.seed for found in drawn]
         elif ablation:
             rows += _ablation(arm, seed, duration)
         else:
@@ -103,6 +115,7 @@ def stress(
                 duration=duration,
                 seed=seed,
                 jobs=jobs,
+                learn=learn,
                 progress=True,
             )
         if pid_trials:
@@ -116,11 +129,15 @@ def stress(
         say(f"The table is kept in {folder / 'stress.md'}.")
 
 
-def _drawn(arm: Arm, draws: int, first_seed: int, duration: float | None) -> list[SeededRow]:
+def _drawn(
+    arm: Arm, law: str, draws: int, first_seed: int, duration: float | None, *, learn: bool
+) -> list[SeededRow]:
     from fotsmc_pin.evaluation.stress import run_random_scenarios
 
     span: dict[str, Any] = {} if duration is None else {"duration": duration}
-    return run_random_scenarios(arm, draws, first_seed=first_seed, progress=True, **span)
+    return run_random_scenarios(
+        arm, draws, law=law, first_seed=first_seed, learn=learn, progress=True, **span
+    )
 
 
 def _ablation(arm: Arm, seed: int, duration: float | None) -> list[StressRow]:
@@ -175,7 +192,7 @@ def _best_pid(
 
 
 def _tables(rows: Sequence[StressRow], seeds: Sequence[int], width: int) -> Iterator[Table]:
-    """Yield the tables for the terminal; of random scenarios, the ten worst."""
+    """Yield the tables for the terminal; of random scenarios, the ten worst of each law and arm."""
     from fotsmc_pin.evaluation.stress.table import is_matrix, listing, matrices, turned
 
     if is_matrix(rows):
@@ -183,17 +200,25 @@ def _tables(rows: Sequence[StressRow], seeds: Sequence[int], width: int) -> Iter
             needed = sum(2 + max(map(len, column)) for column in zip(*lines, strict=True))
             yield _table(title, lines if needed <= width else turned(lines))
         return
-    lines = listing(rows[:SHOWN_DRAWS] if seeds else rows)
-    if seeds:
-        for line, seed in zip(lines, ["seed", *map(str, seeds)], strict=False):
-            line.append(seed)
-    title = f"The worst of {len(seeds)} random scenarios" if seeds else "Stress suite"
-    yield _table(title, lines)
+    if not seeds:
+        yield _table("Stress suite", listing(rows))
+        return
+    groups: dict[tuple[str, str], list[tuple[StressRow, int]]] = {}
+    for row, seed in zip(rows, seeds, strict=True):
+        groups.setdefault((row.arm, row.controller), []).append((row, seed))
+    for drawn in groups.values():
+        worst = drawn[:SHOWN_DRAWS]
+        lines = listing([row for row, _ in worst])
+        for line, cell in zip(lines, ["seed", *(str(seed) for _, seed in worst)], strict=True):
+            line.append(cell)
+        yield _table(f"The worst of {len(drawn)} random scenarios", lines)
 
 
 def _table(title: str, lines: Sequence[Sequence[str]]) -> Table:
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
+
+    from fotsmc_pin.learning.described import LABEL
 
     table = Table(
         title=title, title_justify="left", box=SIMPLE_HEAD, collapse_padding=True, pad_edge=False
@@ -203,7 +228,8 @@ def _table(title: str, lines: Sequence[Sequence[str]]) -> Table:
         justify: Literal["left", "right"] = "left" if names else "right"
         table.add_column(column, justify=justify, no_wrap=names, overflow="fold")
     for line in lines[1:]:
-        table.add_row(*line)
+        # What cannot wrap and says the same in every row takes a line of its own.
+        table.add_row(*(cell.replace(LABEL, f"\n{LABEL.strip()}") for cell in line))
     return table
 
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -17,8 +18,11 @@ from fotsmc_pin.cli.output import (
     say,
     say_error,
 )
+from fotsmc_pin.errors import ArgumentError
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from rich.console import Console
 
     from fotsmc_pin.evaluation.studies import ClosedLoop, StudyResult
@@ -35,6 +39,9 @@ def study_command(
         str | None, typer.Option(help="Address of a Dask scheduler, such as tcp://host:8786.")
     ] = None,
     metric: Annotated[str, typer.Option(help="The metric to judge by.")] = "tail_rms_error",
+    learn: Annotated[
+        bool, typer.Option("--learn", help="Let the law learn its model while the arm moves.")
+    ] = False,
     retry_failed: Annotated[
         bool, typer.Option("--retry-failed", help="Run those again that failed.")
     ] = False,
@@ -51,6 +58,8 @@ def study_command(
 
     checks.choice("--metric", metric, [*UNITS])
     run, arguments = read_study(file)
+    if learn:
+        run = _learning(run, arguments)
     check_study(run, **arguments)
     folder = out or Path("out") / file_name(file.stem)
     store = folder / STORE
@@ -86,6 +95,14 @@ def study_command(
     else:
         say(f"All {len(found)} runs failed.")
         raise typer.Exit(1)
+
+
+def _learning(run: ClosedLoop, arguments: Mapping[str, Any]) -> ClosedLoop:
+    for table in ("grid", "draws"):
+        if "learn" in arguments[table]:
+            remedy = f"leave it out: [{table}] of the file says which runs learn"
+            raise ArgumentError("--learn", True, remedy)
+    return replace(run, learn=True)
 
 
 def _show(

@@ -174,7 +174,7 @@ def _shifts(arm: Arm, estimates: Estimates) -> dict[str, Array]:
     tree = UrdfTree(parse_urdf(arm.urdf, arm.name), arm.name)
     scales = [row.value for row in estimates.group("link_scale")]
     moments = np.reshape([row.value for row in estimates.group("link_moment")], (-1, 3))
-    shifts = {}
+    shifts: dict[str, Array] = {}
     for k, body in enumerate(moving_bodies(arm)):
         mass = scales[k] * float(arm.model.inertias[k + 1].mass)
         shift = np.clip(moments[k] / mass, -FARTHEST_LINK, FARTHEST_LINK) if body else np.zeros(3)

@@ -13,8 +13,8 @@ from fotsmc_pin.arms.drive_size import drive_size
 from fotsmc_pin.compiled import specialized
 from fotsmc_pin.control.rows import named_rows
 from fotsmc_pin.control.saved_state import part, present, with_prefix
-from fotsmc_pin.copying import SharesNothing
 from fotsmc_pin.errors import ArgumentError
+from fotsmc_pin.learning.described import Described
 from fotsmc_pin.learning.estimates import Estimates, learned_arm
 from fotsmc_pin.learning.estimator import WINDOW, JointRows
 from fotsmc_pin.learning.learned_terms import LearnedTerms
@@ -47,7 +47,7 @@ LINKED = {"_a", "_x", "_b", "_terms", "_data", "_arguments", "_code", "_signals"
 """What only refers to the arrays; no copy takes it along."""
 
 
-class ModelLearning(SharesNothing):
+class ModelLearning(Described):
     """Wraps a controller: the model that it works with is learnt while the arm moves.
 
     From measured position and velocity and the torque that acted, without an acceleration sensor, a
@@ -129,16 +129,6 @@ class ModelLearning(SharesNothing):
         self._written[:] = self._bodies[:n]
         self._link()
         self.reset()
-
-    @property
-    def gains(self) -> Any:
-        """The controller's gains."""
-        return self.controller.gains
-
-    @property
-    def preset(self) -> str | None:
-        """The controller's preset."""
-        return self.controller.preset
 
     @property
     def signals(self) -> dict[str, Array]:

@@ -86,7 +86,8 @@ def simulate(
     Args:
         arm: the true arm; its effort limits, friction and damping act.
         controller: anything with `dt`, `update` and `reset`; its `signals`, if any, are
-            recorded.
+            recorded, and the metadata take its name from its `label`, and from its `about` what
+            else it says of itself.
         reference: `t -> (q_d, v_d, a_d)`, shapes (nq,), (nv,), (nv,); a function of time alone,
             which is evaluated for some ticks ahead. Where it has a method `at` that takes many
             times (N,) and returns (N, nq), (N, nv), (N, nv), that is called instead.
@@ -173,7 +174,7 @@ def simulate(
         told = _metadata(controller, reference, options, took)
         return recorder.recording(told, events=changes, wrenches=wrenches)
 
-    title = f"{type(controller).__name__}, {arm.name}"
+    title = f"{_label(controller)}, {arm.name}"
     with reporting(progress, title) as report, kept_on_interrupt(recording):
         for first in range(0, ticks, CHUNK):
             report(first / ticks)
@@ -241,18 +242,24 @@ def _checked_reference(arm: Arm, reference: Reference) -> tuple[Array, Array, Ar
     )
 
 
+def _label(controller: Law) -> str:
+    """Return what a controller calls itself, or its class is called."""
+    return str(getattr(controller, "label", type(controller).__name__))
+
+
 def _metadata(
     controller: Law, reference: Reference, options: dict[str, Any], took: float
 ) -> dict[str, Any]:
     gains: Any = getattr(controller, "gains", None)
     return {
-        "controller": type(controller).__name__,
+        "controller": _label(controller),
         "preset": getattr(controller, "preset", None),
         "gains": gains.as_dict() if hasattr(gains, "as_dict") else {},
         "nominal_arm": getattr(getattr(controller, "arm", None), "name", None),
         "dt": controller.dt,
         "reference": getattr(reference, "__name__", type(reference).__name__),
         **options,
+        **getattr(controller, "about", {}),
         "wall_time": took,
         "versions": {
             "python": platform.python_version(),

@@ -9,6 +9,7 @@ from fotsmc_pin.view.figures import (
     tracking_figure,
     velocity_figure,
 )
+from fotsmc_pin.view.learning_figure import learning_figure
 from fotsmc_pin.view.many_runs import distribution_figure, front_figure
 from fotsmc_pin.view.margins_figure import margins_figure
 from fotsmc_pin.view.plot import plot
@@ -20,6 +21,7 @@ __all__ = [
     "distribution_figure",
     "export_html",
     "front_figure",
+    "learning_figure",
     "margins_figure",
     "new_figure",
     "overview_figure",

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 TOLD_APART = frozenset(
     (
         *("controller", "preset", "gains", "nominal_arm", "dt", "duration", "wall_time"),
-        *("versions", "reference", "divergence"),
+        *("versions", "reference", "divergence", "learning"),
     )
 )
 """Metadata that has words of its own; the rest is listed by name."""
@@ -33,6 +33,8 @@ def lead(rec: Recording) -> str:
     along = f" along {spaced(told['reference'])}" if told.get("reference") else ""
     model = told.get("nominal_arm")
     belief = f" It computed with the model of {model}." if model and model != arm.name else ""
+    if model and told.get("learning"):
+        belief = f" It began with the model of {model} and learnt while the arm moved."
     return f"{law}{preset} moved {arm.name}{along}{seconds}{period}.{belief}"
 
 
@@ -62,6 +64,7 @@ def run_facts(rec: Recording) -> list[tuple[str, list[str]]]:
         ("control law", told.get("controller")),
         ("preset", told.get("preset")),
         ("gains", [f"{name} = {plain(value)}" for name, value in told.get("gains", {}).items()]),
+        ("learning", _learning(told)),
         ("reference", spaced(told.get("reference") or "")),
         ("period of a tick", f"{1e3 * told['dt']:g} ms" if "dt" in told else None),
         ("simulated time", f"{told['duration']:g} s" if "duration" in told else None),
@@ -73,6 +76,21 @@ def run_facts(rec: Recording) -> list[tuple[str, list[str]]]:
         (name, value if isinstance(value, list) else [str(value)])
         for name, value in entries
         if value not in (None, "", [], [""])
+    ]
+
+
+def _learning(told: Mapping[str, Any]) -> list[str]:
+    """Return how a model was learnt: the delay that was stated, and what the loop was trusted with.
+
+    What was learnt has a table of its own.
+    """
+    about = told.get("learning")
+    if not about:
+        return []
+    lowest, highest = about["bears"]
+    return [
+        f"torque taken to act {counted(about['delay'], 'tick')} later",
+        f"loop trusted with {lowest:.3g} to {highest:.3g} times the inertia that it works with",
     ]
 
 

@@ -8,6 +8,7 @@ from fotsmc_pin.checks import choice
 from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.view import figures
 from fotsmc_pin.view.export import named_recordings
+from fotsmc_pin.view.learning_figure import learning_figure
 from fotsmc_pin.view.style import save_figure
 
 if TYPE_CHECKING:
@@ -20,16 +21,16 @@ if TYPE_CHECKING:
     from fotsmc_pin.simulation import Recording
     from fotsmc_pin.view.export import Recordings
 
-KINDS = ("overview", "tracking", "velocity", "torque", "signal", "comparison")
+KINDS = ("overview", "tracking", "velocity", "torque", "signal", "estimates", "comparison")
 
 
 def plot(
     rec: Recordings,
     path: str | os.PathLike[str],
     *,
-    kind: Literal["auto", "overview", "tracking", "velocity", "torque", "signal", "comparison"] = (
-        "auto"
-    ),
+    kind: Literal[
+        "auto", "overview", "tracking", "velocity", "torque", "signal", "estimates", "comparison"
+    ] = "auto",
     joints: Sequence[int] | None = None,
     signal: str = "s",
 ) -> list[Path]:
@@ -41,8 +42,9 @@ def plot(
         path: file with the ending .svg, .png or .pdf; without one, an SVG and a PNG are written.
         kind: what to show. "overview": error, torque and sliding variable of all joints;
             "tracking": position, reference and error; "velocity"; "torque" with its limits;
-            "signal": one signal of the controller; "comparison": errors and torques of several
-            runs. "auto" takes the overview for one run and the comparison for several.
+            "signal": one signal of the controller; "estimates": what `ModelLearning` learnt of the
+            arm over time, with bands of two standard deviations; "comparison": errors and torques
+            of several runs. "auto" takes the overview for one run and the comparison for several.
         joints: numbers of the joints to show, from 0; None shows all. An overview shows all.
         signal: name of the signal for kind "signal".
 
@@ -50,7 +52,8 @@ def plot(
         The files that were written.
 
     Raises:
-        ArgumentError: nothing to draw, an unknown kind, joint, signal or ending.
+        ArgumentError: nothing to draw, an unknown kind, joint, signal or ending; or estimates of a
+            run in which nothing was learnt.
         RecordingError: a path that holds no recording.
         OSError: the file cannot be written.
     """
@@ -87,5 +90,6 @@ def _figure(
         "tracking": figures.tracking_figure,
         "velocity": figures.velocity_figure,
         "torque": figures.torque_figure,
+        "estimates": learning_figure,
     }
     return by_kind[kind](first, joints)

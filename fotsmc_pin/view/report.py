@@ -12,6 +12,7 @@ from fotsmc_pin.files import write_text
 from fotsmc_pin.progress import reporting
 from fotsmc_pin.view.about_run import counted
 from fotsmc_pin.view.export import export_html
+from fotsmc_pin.view.learning_tables import learning_section
 from fotsmc_pin.view.many_run_tables import (
     stress_section,
     stress_words,
@@ -49,9 +50,10 @@ def write_report(
     `stress`, `tune`), or any that holds saved recordings (`*.npz`). A run that diverged is told
     first. Of one or a few runs the report shows the animation, a table of metrics for the revolute
     and for the prismatic joints, the figures (`*.svg` and `*.png`; drawn from the runs where there
-    are none), and what was run: arm and what `perturb` did to it, controller, gains, versions. Of
-    many runs it shows how their metrics are spread, and the worst run. Tables of the command
-    (`claims.md`, `comparison.md`, `stress.md`, `front.md`, `margins.md`) follow.
+    are none), what `ModelLearning` learnt, and what was run: arm and what `perturb` did to it,
+    controller, gains, versions. Of many runs it shows how their metrics are spread, and the worst
+    run. Tables of the command (`claims.md`, `comparison.md`, `stress.md`, `front.md`,
+    `margins.md`) follow.
 
     Args:
         folder: folder of results.
@@ -76,6 +78,7 @@ def write_report(
         sections |= {
             "Distributions": _many_runs(results),
             "Metrics": metrics_table(results.summaries, results.titles),
+            "What was learnt": learning_section(results.runs),
             **{name: prose(text) for name, text in results.texts.items()},
             "Figures": figures(results),
             "What was run": facts(results.runs),

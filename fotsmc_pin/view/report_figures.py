@@ -10,12 +10,14 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fotsmc_pin.learning import recorded_estimates
 from fotsmc_pin.view.figures import comparison_figure, overview_figure, tracking_figure
+from fotsmc_pin.view.learning_figure import learning_figure
 from fotsmc_pin.view.many_run_tables import many_run_figures
 from fotsmc_pin.view.style import PIXELS_PER_INCH, save_figure
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from matplotlib.figure import Figure
 
@@ -24,11 +26,17 @@ if TYPE_CHECKING:
 
 ENLARGED = 1.3
 """Figures are drawn for print; on a screen they are this much larger."""
+ESTIMATES = "estimates"
+"""Name of the figure of what was learnt."""
+LEARNT_AT_MOST = 6
 PIXELS_PER_POINT = 96.0 / 72.0
 
 
 def figures(results: Results) -> str:
-    """Return the folder's figures as HTML; drawn from the runs where there are none."""
+    """Return the folder's figures as HTML; drawn from the runs where there are none.
+
+    What was learnt over time is drawn wherever the folder has no `estimates` figure.
+    """
     pictures = [
         (path.stem, path.read_bytes())
         for path in results.pictures
@@ -36,6 +44,8 @@ def figures(results: Results) -> str:
     ]
     if not pictures:
         pictures = [(name, _drawn(figure)) for name, figure in _own_figures(results.runs)]
+    if not any(name == ESTIMATES for name, _ in pictures):
+        pictures += [(name, _drawn(figure)) for name, figure in _learnt(results.runs)]
     return _gallery(pictures)
 
 
@@ -70,6 +80,14 @@ def _width(picture: bytes) -> float:
         return float(pixels) * 96.0 / PIXELS_PER_INCH
     found = re.search(rb'<svg[^>]*\swidth="([\d.]+)pt"', picture)
     return float(found[1]) * PIXELS_PER_POINT if found else 515.0 * PIXELS_PER_POINT
+
+
+def _learnt(runs: Mapping[str, Recording]) -> Iterator[tuple[str, Figure]]:
+    """Yield the figures of what was learnt in each run, until the report has enough of them."""
+    learning = {name: rec for name, rec in runs.items() if recorded_estimates(rec) is not None}
+    for name, rec in [*learning.items()][:LEARNT_AT_MOST]:
+        prefix = f"{name} " if len(learning) > 1 else ""
+        yield f"{prefix}{ESTIMATES}", learning_figure(rec)
 
 
 def _own_figures(runs: Mapping[str, Recording]) -> Sequence[tuple[str, Figure]]:

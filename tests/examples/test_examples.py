@@ -22,6 +22,7 @@ PAGES = {
     "own_controller": "own_controller.html",
     "compare": "report.html",
     "panda_payload": "panda_payload.html",
+    "pick_and_drop": "pick_and_drop.html",
 }
 
 

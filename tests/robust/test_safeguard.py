@@ -1,5 +1,7 @@
 """The safeguard: soft from any state, rate limits that hold, stops that come and come to rest."""
 
+import copy
+
 import numpy as np
 import pytest
 
@@ -13,6 +15,7 @@ from fotsmc_pin.control import (
     SoftStart,
 )
 from fotsmc_pin.errors import ArgumentError
+from fotsmc_pin.learning import recorded_estimates
 from fotsmc_pin.references import Hold, Sinusoid
 from fotsmc_pin.simulation import Plant, simulate
 
@@ -179,3 +182,23 @@ def test_holding_is_gravity_compensation(arm):
     guarded = Safeguard(RobustFONFTSM(arm, DT), soft_start=0.0)
     rec = simulate(arm, guarded, Hold(arm), 0.3)
     np.testing.assert_allclose(rec.tau[-1], arm.gravity(arm.neutral), atol=1e-6)
+
+
+class TestLearning:
+    def test_a_model_is_learnt_inside_of_a_safeguard(self, arm):
+        true = fp.perturb(arm, mass_scale=1.3, armature=8.0)
+        guarded = Safeguard(fp.ModelLearning(RobustFONFTSM(arm, DT), delay=0), soft_start=0.3)
+        reference = Sinusoid.inside_limits(arm)
+        rec = simulate(true, guarded, reference, 3.0)
+        known = recorded_estimates(rec)
+        assert known == guarded.controller.estimates()
+        for row in known.group("armature"):
+            assert row.first_value == 5.0
+            assert row.value == pytest.approx(8.0, abs=3.0 * row.deviation)
+            assert row.deviation < 1.0  # of a difference of 3
+        twin = copy.deepcopy(guarded)
+        state = (rec.q[-1], rec.v[-1], *reference(3.0))
+        np.testing.assert_array_equal(twin.update(*state), guarded.update(*state))
+
+    def test_of_another_law_there_is_nothing_to_tell(self, arm):
+        assert Safeguard(RobustFONFTSM(arm, DT)).about == {}

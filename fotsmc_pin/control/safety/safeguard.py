@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike
 
-    from fotsmc_pin.control.controller import Controller
     from fotsmc_pin.control.friction_compensation import FrictionCompensation
+    from fotsmc_pin.control.safety.guarded import Guarded
     from fotsmc_pin.types import Array
 
 SETTLING = 10.0
@@ -45,7 +45,7 @@ class Safeguard(SharesNothing):
 
     def __init__(
         self,
-        controller: Controller,
+        controller: Guarded,
         *,
         soft_start: float = 1.0,
         torque_rate: ArrayLike | None = None,
@@ -57,7 +57,7 @@ class Safeguard(SharesNothing):
         """Wrap a controller.
 
         Args:
-            controller: any controller.
+            controller: any controller, or one that learns its model.
             soft_start: time over which the start error is faded out of the reference [s].
             torque_rate: largest rate of each torque [N·m/s, N/s], the safe stop included; None for
                 no limit.
@@ -93,6 +93,12 @@ class Safeguard(SharesNothing):
     def gains(self) -> Any:
         """The controller's gains."""
         return self.controller.gains
+
+    @property
+    def about(self) -> dict[str, Any]:
+        """What the controller says of itself for a recording's metadata."""
+        about: dict[str, Any] = getattr(self.controller, "about", {})
+        return about
 
     def reset(self) -> None:
         """End a stop and begin anew, softly, from wherever the arm is."""

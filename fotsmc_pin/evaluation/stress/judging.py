@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from fotsmc_pin.control import Controller
     from fotsmc_pin.evaluation.stress.courses import Course, Rest
     from fotsmc_pin.evaluation.stress.scenario import Scenario
+    from fotsmc_pin.learning import ModelLearning
     from fotsmc_pin.simulation import Recording
     from fotsmc_pin.types import Array
 
@@ -106,7 +107,10 @@ class StressRow:
 
 
 def run_row(
-    scenario: Scenario, controller: Controller, label: str, duration: float | None = None
+    scenario: Scenario,
+    controller: Controller[Any] | ModelLearning,
+    label: str,
+    duration: float | None = None,
 ) -> StressRow:
     """Run a controller in a scenario and judge it; a divergence is a result too.
 

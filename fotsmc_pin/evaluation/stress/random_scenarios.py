@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +17,10 @@ from fotsmc_pin.evaluation.stress.judging import StressRow, run_row
 from fotsmc_pin.evaluation.stress.payloads import stress_payload
 from fotsmc_pin.evaluation.stress.plants import true_armature, with_rotors
 from fotsmc_pin.evaluation.stress.scenario import DT, Scenario
+from fotsmc_pin.evaluation.stress.suite import law_maker
 from fotsmc_pin.evaluation.stress.table import DRAWN
+from fotsmc_pin.learning import ModelLearning
+from fotsmc_pin.learning.described import LABEL
 from fotsmc_pin.progress import reporting
 
 if TYPE_CHECKING:
@@ -118,6 +122,7 @@ def run_random_scenarios(
     law: type[Controller] | str = RobustFONFTSM,
     first_seed: int = 0,
     duration: float = DURATION,
+    learn: bool = False,
     progress: Progress = False,
 ) -> list[SeededRow]:
     """Run a law in many random scenarios, worst first: diverged ones, then by tail RMS error.
@@ -125,18 +130,27 @@ def run_random_scenarios(
     Args:
         arm: the nominal arm.
         count: number of scenarios.
-        law: the law, or its name, with its default gains.
+        law: the law, or its name; it runs with its preset for practice, or its default gains.
         first_seed: seed of the first scenario; the others have the seeds after it.
         duration: simulated time of each run [s].
+        learn: let the law learn its model while the arm moves (`ModelLearning`, which is told by
+            how many ticks the torque is late); it begins anew in each scenario.
         progress: True shows a bar on standard error; a callable is told the fraction done.
     """
     if isinstance(law, str):
         law = CONTROLLERS[checks.choice("law", law, [*CONTROLLERS])]
-    controller, done = law(with_rotors(arm), DT), []
     checks.count("count", count)
-    with reporting(progress, f"{law.__name__}, {arm.name}") as report:
+    plain = law_maker(law)(with_rotors(arm), DT)
+    label = f"{law.__name__}{LABEL}" if learn else law.__name__
+    learners: dict[int, ModelLearning] = {}
+    done = []
+    with reporting(progress, f"{label}, {arm.name}") as report:
         for seed in range(first_seed, first_seed + count):
-            row = run_row(random_scenario(arm, seed, duration=duration), controller, law.__name__)
-            done.append(SeededRow(seed=seed, row=row))
+            scenario = random_scenario(arm, seed, duration=duration)
+            if learn and scenario.delay not in learners:
+                own = copy.deepcopy(plain)
+                learners[scenario.delay] = ModelLearning(own, delay=scenario.delay)
+            controller = learners[scenario.delay] if learn else plain
+            done.append(SeededRow(seed=seed, row=run_row(scenario, controller, label)))
             report(len(done) / count)
     return sorted(done, key=lambda found: (not found.row.diverged, -found.row.tail_rms_error))

@@ -11,9 +11,9 @@ from fotsmc_pin.simulation import Encoder, NoisySensor, TickDelay, simulate
 
 if TYPE_CHECKING:
     from fotsmc_pin.arms import Arm
-    from fotsmc_pin.control import Controller
     from fotsmc_pin.evaluation.stress.courses import Course
     from fotsmc_pin.simulation import Recording
+    from fotsmc_pin.simulation.simulate import Law
     from fotsmc_pin.types import Array, Reference, Sensor
 
 
@@ -78,7 +78,7 @@ class Scenario:
             return None
         return replace(self, true=self.frictionless, frictionless=None)
 
-    def run(self, controller: Controller, duration: float | None = None) -> Recording:
+    def run(self, controller: Law, duration: float | None = None) -> Recording:
         """Run a controller of the nominal arm; joints stick and slip.
 
         Args:

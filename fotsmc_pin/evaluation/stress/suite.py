@@ -13,6 +13,8 @@ from fotsmc_pin.control import CONTROLLERS, Controller, warn_of_gravity
 from fotsmc_pin.evaluation.stress.cases import chosen_cases
 from fotsmc_pin.evaluation.stress.judging import StressRow, run_row
 from fotsmc_pin.evaluation.stress.springs import fitted_to_springs
+from fotsmc_pin.learning import ModelLearning
+from fotsmc_pin.learning.described import LABEL
 from fotsmc_pin.progress import reporting
 
 if TYPE_CHECKING:
@@ -37,6 +39,7 @@ def stress(
     duration: float | None = None,
     seed: int = 0,
     jobs: int = 1,
+    learn: bool = False,
     progress: Progress = False,
 ) -> list[StressRow]:
     """Run every controller on every arm in the chosen scenarios.
@@ -54,6 +57,9 @@ def stress(
             scaled to it, moves are cut short.
         seed: of the noise.
         jobs: processes on this machine; -1 for one per core. The rows are the same.
+        learn: let every controller learn its model while the arm moves (`ModelLearning`, which is
+            told by how many ticks the case delays the torque); the rows are labelled "… +
+            learning".
         progress: True shows a bar on standard error; a callable is told the fraction done.
 
     Returns:
@@ -72,7 +78,7 @@ def stress(
     for arm in loaded:  # here, because what another process warns of is not heard
         warn_of_gravity(arm)
     runs = [
-        Run(case, arm, label, make, duration, seed)
+        Run(case, arm, f"{label}{LABEL}" if learn else label, make, duration, seed, learn)
         for arm in loaded
         for label, make in makers.items()
         for case in cases
@@ -95,12 +101,15 @@ class Run:
     make: Maker
     duration: float | None
     seed: int
+    learn: bool
 
     def __call__(self) -> StressRow:
         """Carry it out."""
         scenario = self.case.scenario_of(self.arm, duration=self.duration, seed=self.seed)
         made = self.make(scenario.arm, scenario.dt)
-        return run_row(scenario, fitted_to_springs(made, scenario), self.label)
+        law = fitted_to_springs(made, scenario)
+        controller = ModelLearning(law, delay=scenario.delay) if self.learn else law
+        return run_row(scenario, controller, self.label)
 
 
 def _carried_out(runs: Sequence[Run], jobs: int) -> Iterator[StressRow]:

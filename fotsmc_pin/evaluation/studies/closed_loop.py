@@ -16,17 +16,21 @@ from fotsmc_pin.analysis import Summary, summarize
 from fotsmc_pin.arms import Arm, load_arm, perturb
 from fotsmc_pin.control import CONTROLLERS
 from fotsmc_pin.errors import ArgumentError
+from fotsmc_pin.learning import ModelLearning
 from fotsmc_pin.references import Sinusoid
 from fotsmc_pin.simulation import simulate
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    from fotsmc_pin.control import Controller
     from fotsmc_pin.simulation import Recording
     from fotsmc_pin.types import Reference
 
 
 GAIN = "gains."
+DELAY = 0
+"""Ticks from a torque to the drive: it acts at once."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,6 +57,7 @@ class ClosedLoop:
         payload: mass at the true tool frame [kg].
         friction: true Coulomb friction by joint [N·m, N]; the arm's own by default.
         damping: true viscous friction by joint [N·m·s/rad, N·s/m]; the arm's own by default.
+        learn: whether the controller learns its model while the arm moves (`ModelLearning`).
         reference: makes the reference of an arm; sinusoids inside its limits by default.
     """
 
@@ -71,6 +76,7 @@ class ClosedLoop:
     payload: Any = 0.0
     friction: Any = None
     damping: Any = None
+    learn: bool = False
     reference: Callable[[Arm], Reference] = Sinusoid.inside_limits
 
     def __post_init__(self) -> None:
@@ -121,6 +127,7 @@ class ClosedLoop:
         checks.finite_number("duration", loop.duration, at_least=dt)
         checks.finite_number("start_error", loop.start_error)
         checks.count("substeps", loop.substeps)
+        checks.instance("learn", loop.learn, bool, "give true or false")
         if loop.integrator is not None:
             checks.choice("integrator", loop.integrator, ("rk4", "semi-implicit"))
         law = CONTROLLERS[loop.controller]
@@ -161,13 +168,27 @@ class ClosedLoop:
         q_start, _, _ = reference(0.0)
         return simulate(
             true,
-            law,
+            self._learning(law) if self.learn else law,
             reference,
             self.duration,
             q0=arm.integrate(q_start, np.full(arm.nv, self.start_error)),
             substeps=self.substeps,
             integrator=self.integrator,
         )
+
+    def _learning(self, law: Controller) -> ModelLearning:
+        """Let a law learn its model; what its loop bears is computed once for all draws."""
+        gains = json.dumps(dict(self.gains), default=lambda value: np.asarray(value).tolist())
+        bears = _bears(self._nominal, self.dt, self.controller, self.preset, gains)
+        return ModelLearning(law, delay=DELAY, bears=bears)
+
+
+@lru_cache(maxsize=8)
+def _bears(
+    arm: Arm, dt: float, controller: str, preset: str | None, gains: str
+) -> tuple[float, float]:
+    law = CONTROLLERS[controller](arm, dt, preset=preset, **json.loads(gains))
+    return ModelLearning(law, delay=DELAY).bears
 
 
 @lru_cache(maxsize=8)

@@ -18,6 +18,7 @@ from fotsmc_pin.evaluation.stress import (
     run_random_scenarios,
     stress,
     stress_scenario,
+    suite,
 )
 from fotsmc_pin.evaluation.stress.judging import StressRow, run_row
 from fotsmc_pin.evaluation.stress.scenario import DT
@@ -198,3 +199,47 @@ class TestRandomScenarios:
         assert not any(found.row.diverged for found in done)
         alone = run_random_scenarios(arm, 1, first_seed=done[0].seed, duration=1.0)
         assert alone == done[:1]
+
+
+class TestLearning:
+    def test_every_law_learns_and_is_called_so(self):
+        laws = ["ComputedTorque", "RobustFONFTSM"]
+        rows = stress(["asr_twodof"], laws, duration=0.3, learn=True)
+        assert [row.controller for row in rows] == [f"{law} + learning" for law in laws]
+
+    def test_the_delay_of_the_case_is_known_to_it(self, monkeypatch):
+        told = []
+
+        class Noted(suite.ModelLearning):
+            def __init__(self, controller, **options):
+                told.append(options["delay"])
+                super().__init__(controller, **options)
+
+        monkeypatch.setattr(suite, "ModelLearning", Noted)
+        cases = ["delay", "sine raw"]
+        rows = stress(["asr_twodof"], ["ComputedTorque"], scenarios=cases, duration=0.1, learn=True)
+        by_hand = [case.delay for case in suite.chosen_cases(cases)]
+        assert len(set(by_hand)) > 1
+        assert told == by_hand
+        assert len(rows) == len(by_hand)
+
+    def test_it_learns_the_plant_of_the_suite(self):
+        plain, learning = (
+            stress(["asr_twodof"], ["RobustFONFTSM"], learn=learn)[0] for learn in (False, True)
+        )
+        assert learning.tail_rms_error < 0.5 * plain.tail_rms_error
+
+    def test_each_random_scenario_begins_anew(self):
+        arm = fp.load_arm("asr_twodof")
+        both = run_random_scenarios(arm, 3, duration=0.3, learn=True)
+        for found in both:
+            (alone,) = run_random_scenarios(arm, 1, first_seed=found.seed, duration=0.3, learn=True)
+            assert alone == found
+
+    def test_a_law_is_drawn_with_its_preset_for_practice(self):
+        arm = fp.load_arm("asr_twodof")
+        (found,) = run_random_scenarios(arm, 1, law="ComputedTorque", duration=0.3)
+        scenario = random_scenario(arm, 0, duration=0.3)
+        law = suite.law_maker(ComputedTorque)(scenario.arm, DT)
+        assert law.preset == "pid"
+        assert run_row(scenario, law, "ComputedTorque") == found.row

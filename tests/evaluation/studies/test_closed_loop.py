@@ -138,3 +138,37 @@ def test_a_file_that_describes_no_study_is_refused(tmp_path, text, error, says):
     file.write_text(text)
     with pytest.raises(error, match=says):
         read_study(file)
+
+
+@pytest.fixture(scope="module")
+def wrong():
+    return fp.ClosedLoop(
+        arm="two_link", controller="ComputedTorque", duration=3.0, mass_scale=1.3, friction=1.0
+    )
+
+
+class TestLearning:
+    def test_a_law_that_learns_errs_less(self, wrong):
+        plain, learning = (wrong({"learn": learn}, 0) for learn in (False, True))
+        assert learning.tail_rms_error < 0.5 * plain.tail_rms_error
+
+    def test_it_stands_in_the_recording_and_in_the_identity(self, wrong):
+        learning = wrong.having({"learn": True, "duration": 0.05, "gains.kp": 100.0})
+        told = learning.record({}, 0).metadata
+        assert told["controller"] == "ComputedTorque + learning"
+        assert told["gains"]["kp"] == 100.0
+        assert told["learning"]["delay"] == 0
+        assert learning.identity != learning.having({"learn": False}).identity
+
+    def test_what_the_loop_bears_is_that_of_the_gains(self, wrong):
+        def bears(kd):
+            loop = wrong.having({"learn": True, "duration": 0.05, "gains.kd": kd})
+            return loop.record({}, 0).metadata["learning"]["bears"]
+
+        law = fp.ComputedTorque(fp.load_arm("two_link"), 1e-3, kd=500.0)
+        assert bears(500.0) == [*fp.ModelLearning(law, delay=0).bears]
+        assert bears(10.0) != bears(500.0)
+
+    def test_it_is_yes_or_no(self, wrong):
+        with pytest.raises(ArgumentError, match="give true or false"):
+            wrong.check({"learn": "yes"})
