@@ -92,7 +92,7 @@ def test_other_laws_keep_the_arm_that_they_lose_alone(law):
     preset = "pid" if "pid" in law.presets else None
     alone, learning = law(arm, DT, preset=preset), law(arm, DT, preset=preset)
     learning = fp.ModelLearning(learning)
-    tails = [norm(scenario.run(each, 4.0), 2.0, 4.0).max() for each in (alone, learning)]
+    tails = [norm(scenario.run(each, 6.0), 3.0, 6.0).max() for each in (alone, learning)]
     assert tails[1] < 5.0 * MRAD < tails[0]
 
 
