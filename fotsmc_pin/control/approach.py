@@ -44,8 +44,8 @@ def lead(
 ) -> None:
     """Move the way `e_g` (nv,) by one tick, and write what the surface is to see.
 
-    With the error `ε = e - e_g` behind the leading point, of which `|ε| ≤ ε_max = 0.08 v_a / ω_g` is
-    left to the surface (`e_g` takes up the rest at once):
+    With the error `ε = e - e_g` behind the leading point, of which `|ε| ≤ ε_max = 0.08 v_a / ω_g`
+    is left to the surface (`e_g` takes up the rest at once):
 
         ë_g = 3.6 ω_g (-(1 - ζ) v(|e_g|) sign(e_g) - ė_g)
         v(x) = min(v_a x / √(x² + (v_a/ω_g)²), √(2 · 0.3 (τ_max - |h0|) x / M0_ii))
