@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 SPEED = 0.8
 """Share of a joint's velocity limit at which a large error is closed."""
 LARGEST_ERROR = 0.08
-"""Largest error of a joint behind the point that leads it, over `v_a / κ`."""
+"""Largest error of a joint behind the point that leads it, over `v_a / ω_g`."""
 SMOOTHNESS = 3.6
-"""Rate at which the leading point takes on its speed, over `κ`; from 4 on it never overshoots."""
+"""Rate at which the leading point takes on its speed, over `ω_g`; from 4 on it never overshoots."""
 BRAKING, LEAST_SPARE = 0.3, 0.1
 """Share of the torque beside gravity with which a joint is to brake, for the true arm is heavier;
 and the least of the effort limit that is taken to be left beside gravity."""
@@ -44,18 +44,18 @@ def lead(
 ) -> None:
     """Move the way `e_g` (nv,) by one tick, and write what the surface is to see.
 
-    With the error `ε = e - e_g` behind the leading point, of which `|ε| ≤ ε_max = 0.08 v_a / κ` is
-    left to the surface (`e_g` takes up the rest at once):
+    With the error `ε = e - e_g` behind the leading point, of which `|ε| ≤ ε_max = 0.08 v_a / ω_g`
+    is left to the surface (`e_g` takes up the rest at once):
 
-        ë_g = 3.6 κ (-(1 - η) v(|e_g|) sign(e_g) - ė_g)
-        v(x) = min(v_a x / √(x² + (v_a/κ)²), √(2 · 0.3 (τ_max - |h0|) x / M0_ii))
+        ë_g = 3.6 ω_g (-(1 - ζ) v(|e_g|) sign(e_g) - ė_g)
+        v(x) = min(v_a x / √(x² + (v_a/ω_g)²), √(2 · 0.3 (τ_max - |h0|) x / M0_ii))
 
-    `η = (ε / ε_max)²` where the joint lags, 0 where it is ahead: the point waits for it. From the
+    `ζ = (ε / ε_max)²` where the joint lags, 0 where it is ahead: the point waits for it. From the
     second speed the joint can stop with 0.3 of the torque that it has.
 
     What a joint meets on its way passes, such as the weight of a payload at other poses, and the
     inertia floor is not to learn it. But a joint that does not follow has met what the floor is
-    for. So the floor is told the error `ε + (1 - l) e_g`, with `l = (ε² + (ε̇/κ)²) / ε_max² ≤ 1`.
+    for. So the floor is told the error `ε + (1 - l) e_g`, with `l = (ε² + (ε̇/ω_g)²) / ε_max² ≤ 1`.
 
     Args:
         dt: time since the last tick [s].
@@ -63,7 +63,7 @@ def lead(
         M0: nominal mass matrix (nv, nv).
         h0: nominal `C0 v + G0` (nv,).
         speed: `v_a` (nv,) [rad/s]; inf leaves the whole error to the surface.
-        rate: `κ` (nv,) [1/s], at which the way ends.
+        rate: `ω_g` (nv,) [1/s], at which the way ends.
         m: the law's state, for `e_g` and `ė_g`.
         w: the law's work, for `ε`, `ε̇`, `a_d + ë_g` and the error that the floor is told.
     """

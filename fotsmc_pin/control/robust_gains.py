@@ -44,7 +44,7 @@ class RobustFONFTSMGains(Gains):
             error takes no large torque. By default `reach_of_limits`.
         approach: speed `v_a` at which an error is closed that is larger than about `v_a / 100 s`;
             inf leaves it to the surface. By default 0.8 of the arm's velocity limits.
-        approach_rate: rate `κ` at which such a way ends.
+        approach_rate: rate `ω_g` at which such a way ends.
         theta: gain `Θ` of the reaching law.
         mu: power `μ` of the reaching law.
         integral: rate `b` of the integral that stands in place of a sign; 0 switches it off.
