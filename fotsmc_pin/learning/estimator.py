@@ -68,6 +68,7 @@ class JointRows(NamedTuple):
         unexplained: torque that the estimate did not predict [N·m].
         learning: 1 where the row was taken in, 0 where it was idle.
         surprise: recent mean of the squared error over its variance.
+        extra: friction beyond the estimate that a joint is given which does not start [N·m].
     """
 
     torque: Array
@@ -87,6 +88,7 @@ class JointRows(NamedTuple):
     unexplained: Array
     learning: Array
     surprise: Array
+    extra: Array
 
 
 @kernel(is_part=True)

@@ -263,7 +263,14 @@ class ModelLearning(Described):
         }
         regressor = self._data.jointTorqueRegressor
         memory = (self._whole, self._sent, self._joints, self._beliefs, self._P, self._Y)
-        self._arguments = (law.joints.v, *memory, regressor, self._bodies, self._written)
+        self._arguments = (
+            law.joints.v,
+            law.joints.v_d,
+            *memory,
+            regressor,
+            self._bodies,
+            self._written,
+        )
         self._code = specialized(learn, self.dt, law.joints.tau, *self._arguments)
         self._write_model()
 

@@ -19,7 +19,7 @@ from fotsmc_pin.learning.estimator import (
     take_row,
 )
 from fotsmc_pin.learning.parameters import Beliefs
-from fotsmc_pin.learning.trust import body, trust
+from fotsmc_pin.learning.trust import body, help_start, trust
 
 if TYPE_CHECKING:
     from fotsmc_pin.types import Array
@@ -56,6 +56,7 @@ def learn(
     dt: float,
     tau: Array,
     v: Array,
+    v_d: Array,
     whole: Array,
     sent: Array,
     joints: Array,
@@ -72,10 +73,11 @@ def learn(
         dt: time since the last tick [s].
         tau: torque that was just sent (nv,).
         v: measured speed (nv,).
+        v_d: wanted speed (nv,).
         whole: rows of `Whole` (9, 1).
         sent: torques that were sent and did not act yet, the oldest first (delay + 1, nv); moved on
             by one.
-        joints: rows of `JointRows` (17, nv).
+        joints: rows of `JointRows` (18, nv).
         beliefs: rows of `Beliefs` (9, p).
         P: covariance (p, p).
         Y: rows after one and after both low-passes (2, nv, c).
@@ -118,6 +120,7 @@ def learn(
         a.duration[0], a.elapsed[0] = a.elapsed[0], 0.0
 
     trust(dt, n, a.lowest[0], a.highest[0], b, P)
+    help_start(dt, v_d, x, b)
     if phase > 0:
         link = (ticks - ticks // WINDOW) % n
         body(link, n, tool, bodies, b.used, written[link])

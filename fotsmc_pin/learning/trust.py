@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING
 
 from fotsmc_pin.compiled import kernel
 from fotsmc_pin.control.functions import clip
+from fotsmc_pin.learning.estimator import IDLE
 from fotsmc_pin.learning.parameters import shared_columns
 
 if TYPE_CHECKING:
+    from fotsmc_pin.learning.estimator import JointRows
     from fotsmc_pin.learning.parameters import Beliefs
     from fotsmc_pin.types import Array
 
@@ -23,6 +25,12 @@ LIGHTEST = 1e-9
 """Mass below which there is nothing to move [kg]."""
 FARTHEST_LINK = 0.05
 """Largest distance of a link's centre of mass from the nominal one, along each axis [m]."""
+ASKED = 0.06
+"""Wanted speed at which a joint ought to move [rad/s, m/s]: twice that at which it may stick."""
+STARTING = 1.0
+"""Time in which a joint that does not start is given a standard deviation of friction more [s]."""
+MOST_FRICTION = 4.0
+"""Standard deviations beyond the mean beforehand up to which that goes on."""
 FARTHEST = 0.3
 """Largest distance of the payload's centre from the tool frame [m]."""
 
@@ -57,6 +65,31 @@ def trust(dt: float, n: int, lowest: float, highest: float, b: Beliefs, P: Array
             floor = min(b.nominal[i], (wanted + doubt) / highest)
             wanted = min(max(wanted, floor), ceiling)
         b.used[i] += share * (wanted - b.used[i])
+
+
+@kernel(is_part=True)
+def help_start(dt: float, v_d: Array, joints: JointRows, b: Beliefs) -> None:
+    """Add to the friction that is fed forward where a joint does not start though it is to move.
+
+    It teaches nothing while it sticks, and a law whose model has hardly any inertia there does not
+    break it loose. That it sticks shows that its friction is larger than believed: what is fed
+    forward rises until it starts, and falls back to the estimate, which then is learnt.
+
+    Args:
+        dt: time since the last tick [s].
+        v_d: wanted speed (nv,).
+        joints: the joints' rows.
+        b: the beliefs.
+    """
+    friction = shared_columns(v_d.size) + 2 * v_d.size
+    for j in range(v_d.size):
+        k = friction + j
+        if joints.idle[j] > IDLE and abs(v_d[j]) > ASKED:
+            most = max(b.mean[k] + MOST_FRICTION * b.deviation[k] - b.estimate[k], 0.0)
+            joints.extra[j] = min(joints.extra[j] + dt / STARTING * b.deviation[k], most)
+        else:
+            joints.extra[j] *= 1.0 - dt / (FADING + dt)
+        b.used[k] += dt / (FADING + dt) * joints.extra[j]
 
 
 @kernel(is_part=True)

@@ -85,9 +85,12 @@ def test_rotors_that_the_file_lacks_are_found(panda, learner, divisor):
     assert np.sqrt((norm(recording, 3.0, 4.0) ** 2).mean()) < 0.08 * MRAD
 
 
-@pytest.mark.parametrize("law", [fp.ComputedTorque, fp.TerminalSMC])
-def test_other_laws_keep_the_arm_that_they_lose_alone(law):
-    arm = fp.load_arm("ur5")
+@pytest.mark.parametrize(
+    ("name", "law"), [("ur5", fp.ComputedTorque), ("ur5", fp.TerminalSMC), ("panda", fp.LinearSMC)]
+)
+def test_other_laws_keep_the_arm_that_they_lose_alone(name, law):
+    """The Panda's last joint sticks under a law that knows hardly any inertia there."""
+    arm = fp.load_arm(name)
     scenario = stress_scenario(arm, "sine raw")
     preset = "pid" if "pid" in law.presets else None
     alone, learning = law(arm, DT, preset=preset), law(arm, DT, preset=preset)
