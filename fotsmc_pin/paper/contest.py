@@ -156,8 +156,8 @@ def _found_by_law(entry: Contestant) -> dict[str, Any]:
     law = CONTROLLERS[entry.law]
     names = [name for name, gain in law.Gains.__dataclass_fields__.items() if gain.default is None]
     gains = entry.controller(entry.start).gains
-    means = {name: float(np.exp(np.log(getattr(gains, name)).mean())) for name in names}
-    return {name: mean for name, mean in means.items() if mean > 0.0}
+    found = {name: getattr(gains, name) for name in names}
+    return {name: float(np.exp(np.log(gain).mean())) for name, gain in found.items() if gain.all()}
 
 
 def stored_gains() -> dict[str, dict[str, Any]]:
