@@ -23,45 +23,21 @@ GROUND = {
 LARGEST_TOP_LEVEL = 14
 """So many packages can be read at a glance."""
 
+BELOW_ANALYSIS = {"fractional", "arms", "references", "control", "simulation"}
+BELOW_VIEW = BELOW_ANALYSIS | {"analysis", "learning", "evaluation"}
+
 MAY_IMPORT = {
     "fractional": set(),
     "arms": set(),
     "references": {"arms"},
     "control": {"fractional", "arms", "references"},
-    "simulation": {"control", "fractional", "arms", "references"},
-    "analysis": {"simulation", "control", "fractional", "arms", "references"},
-    "realtime": {"simulation", "control", "fractional", "arms", "references"},
-    "learning": {"analysis", "simulation", "control", "fractional", "arms", "references"},
-    "evaluation": {
-        "learning",
-        "analysis",
-        "simulation",
-        "control",
-        "fractional",
-        "arms",
-        "references",
-    },
-    "view": {
-        "learning",
-        "evaluation",
-        "analysis",
-        "simulation",
-        "control",
-        "fractional",
-        "arms",
-        "references",
-    },
-    "paper": {
-        "view",
-        "learning",
-        "evaluation",
-        "analysis",
-        "simulation",
-        "control",
-        "fractional",
-        "arms",
-        "references",
-    },
+    "simulation": BELOW_ANALYSIS - {"simulation"},
+    "analysis": BELOW_ANALYSIS,
+    "realtime": BELOW_ANALYSIS,
+    "learning": BELOW_ANALYSIS | {"analysis"},
+    "evaluation": BELOW_ANALYSIS | {"analysis", "learning"},
+    "view": BELOW_VIEW,
+    "paper": BELOW_VIEW | {"view"},
 }
 """What each package may import at all, also inside functions; `cli` may import any."""
 

@@ -110,7 +110,7 @@ def margins(controller: Controller, delay: int = 1, *, amplitude: float = AMPLIT
     amplitude = checks.finite_number("amplitude", amplitude, above=0.0)
     laws = linearize(controller, amplitude)
     place, kinds = distinct(laws)
-    _demand_stable(controller, kinds, delay)
+    lowest, highest = _range(controller, kinds, delay)
     dampings = [_damping(law, delay) for law in kinds]
     damping, rate = min(dampings)
     M0 = controller.arm.mass_matrix(controller.arm.neutral)
@@ -119,8 +119,8 @@ def margins(controller: Controller, delay: int = 1, *, amplitude: float = AMPLIT
     responses = [_response(law, delay) for law in kinds]
     return Margins(
         delay=delay,
-        lowest=max(_edge(law, delay, LIGHTEST) for law in kinds),
-        highest=min(_edge(law, delay, HEAVIEST) for law in kinds),
+        lowest=lowest,
+        highest=highest,
         delay_margin=min(late for late, _ in responses),
         sensitivity=max(peak for _, peak in responses),
         slowest=min(_slowest(law, delay) for law in kinds),
@@ -139,17 +139,16 @@ def inertia_range(controller: Controller, delay: int = 1) -> tuple[float, float]
         ArgumentError: as `margins`.
     """
     _, kinds = distinct(linearize(controller, AMPLITUDE))
-    _demand_stable(controller, kinds, delay)
-    return (
-        max(_edge(law, delay, LIGHTEST) for law in kinds),
-        min(_edge(law, delay, HEAVIEST) for law in kinds),
-    )
+    return _range(controller, kinds, delay)
 
 
-def _demand_stable(controller: Controller, laws: Sequence[LinearLaw], delay: int) -> None:
+def _range(controller: Controller, laws: Sequence[LinearLaw], delay: int) -> tuple[float, float]:
+    """Return the edges between which the loop of every law is stable; it has to be so at 1."""
     if not all(is_stable(law, Joint(), delay) for law in laws):
         remedy = "its loop is unstable with the nominal inertia; lower its gains or the delay"
         raise ArgumentError("controller", type(controller).__name__, remedy)
+    lowest = max(_edge(law, delay, LIGHTEST) for law in laws)
+    return lowest, min(_edge(law, delay, HEAVIEST) for law in laws)
 
 
 def _edge(law: LinearLaw, delay: int, end: float) -> float:

@@ -21,7 +21,6 @@ from fotsmc_pin.learning.learned_terms import LearnedTerms
 from fotsmc_pin.learning.parameters import Beliefs, Layout, Prior, first_beliefs
 from fotsmc_pin.learning.tick import Whole, learn
 from fotsmc_pin.learning.tool import tool_link, unit_bodies
-from fotsmc_pin.learning.trust import body
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -51,13 +50,14 @@ class ModelLearning(Described):
     """Wraps a controller: the model that it works with is learnt while the arm moves.
 
     From measured position and velocity and the torque that acted, without an acceleration sensor, a
-    Kalman filter estimates what the nominal file may have wrong: a factor on each link, the
-    payload at the tool, and the armature, viscous and Coulomb friction of each joint. Friction is
-    fed forward at the reference; all else is the law's own model, `M0`, `C0` and `G0`. The law is
-    not changed.
+    Kalman filter estimates what the nominal file may have wrong: mass and centre of mass of each
+    link, the payload at the tool, and the armature, viscous and Coulomb friction of each joint.
+    Friction is fed forward at the reference; all else is the law's own model, `M0`, `C0` and `G0`.
+    The law is not changed.
 
-    It has the face of a controller and works with all of them. What it learns from, when it waits,
-    and how far a loop follows it is told in `fotsmc_pin.learning`.
+    It has the face of a controller and works with all of them. The modules of `learning` say what
+    it learns from (`estimator`), when it waits or forgets (`change`), and how far a loop follows it
+    (`trust`).
 
     Attributes:
         controller: what is wrapped.
@@ -125,8 +125,7 @@ class ModelLearning(Described):
         self._P = np.zeros((self._layout.size, self._layout.size))
         self._Y = np.zeros((2, n, self._layout.columns))
         self._middle = np.zeros(self.arm.nq)
-        self._written = np.zeros((n, 10))
-        self._written[:] = self._bodies[:n]
+        self._written = self._bodies[:n].copy()
         self._link()
         self.reset()
 
@@ -153,9 +152,7 @@ class ModelLearning(Described):
         self._x.least_noise[:] = (LEAST_NOISE * self._drive) ** 2
         self._a.lowest[:], self._a.highest[:] = self.bears
         self._a.fall[:], self._a.tool[:] = self.prior.stribeck_velocity, tool_link(self.arm)
-        n, tool = self.arm.nv, tool_link(self.arm)
-        for link, dynamic in enumerate(self._written):
-            body(link, n, tool, self._bodies, self._b.used, dynamic)
+        self._written[:] = self._bodies[: self.arm.nv]
         self._write_model()
 
     def update(
@@ -198,9 +195,9 @@ class ModelLearning(Described):
         return Estimates.of(self.arm, self._layout, self._b)
 
     def learned_arm(self) -> Arm:
-        """Return the nominal arm with what was learnt written in, an `Arm` of its own.
+        """Return the nominal arm with all estimates written in, an `Arm` of its own.
 
-        What is not known better than beforehand stays as the file has it.
+        What the motion did not tell is estimated as it was believed beforehand: as the file has it.
         """
         return learned_arm(self.arm, self.estimates())
 

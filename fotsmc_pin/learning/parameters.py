@@ -36,11 +36,10 @@ class Beliefs(NamedTuple):
     """One number per parameter, (p,), for each of what is believed.
 
     Attributes:
-        mean: expected beforehand.
+        mean: expected beforehand, which is what the nominal arm has.
         deviation: standard deviation beforehand.
         lowest: least that is possible.
         highest: most that is possible.
-        nominal: what the nominal arm has.
         estimate: learnt so far.
         sigma: its standard deviation.
         used: what the law is given.
@@ -51,7 +50,6 @@ class Beliefs(NamedTuple):
     deviation: Array
     lowest: Array
     highest: Array
-    nominal: Array
     estimate: Array
     sigma: Array
     used: Array
@@ -122,7 +120,7 @@ def shared_columns(joints: int) -> int:
 
 
 def first_beliefs(arm: Arm, prior: Prior, layout: Layout) -> Array:
-    """Return the table of `Beliefs` before anything is learnt, (9, p).
+    """Return the table of `Beliefs` before anything is learnt, (8, p).
 
     Raises:
         ArgumentError: a deviation below zero or of the wrong shape.
@@ -167,7 +165,6 @@ def first_beliefs(arm: Arm, prior: Prior, layout: Layout) -> Array:
         mean, deviation, lowest, highest = parts[name]
         beliefs.mean[place], beliefs.deviation[place] = mean, deviation
         beliefs.lowest[place], beliefs.highest[place] = lowest, highest
-    for row in (beliefs.nominal, beliefs.estimate, beliefs.used):
-        row[:] = beliefs.mean
+    beliefs.estimate[:] = beliefs.used[:] = beliefs.mean
     beliefs.sigma[:] = beliefs.deviation
     return table

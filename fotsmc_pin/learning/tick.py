@@ -78,7 +78,7 @@ def learn(
         sent: torques that were sent and did not act yet, the oldest first (delay + 1, nv); moved on
             by one.
         joints: rows of `JointRows` (18, nv).
-        beliefs: rows of `Beliefs` (9, p).
+        beliefs: rows of `Beliefs` (8, p).
         P: covariance (p, p).
         Y: rows after one and after both low-passes (2, nv, c).
         regressor: Pinocchio's of the last window, new in the first tick of each (nv, 10 nv).

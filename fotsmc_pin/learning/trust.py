@@ -61,8 +61,8 @@ def trust(dt: float, n: int, lowest: float, highest: float, b: Beliefs, P: Array
         wanted = b.estimate[i]
         if i <= n or shared <= i < shared + n:
             doubt = SURE * b.sigma[i]
-            ceiling = max(b.nominal[i], (wanted - doubt) / lowest)
-            floor = min(b.nominal[i], (wanted + doubt) / highest)
+            ceiling = max(b.mean[i], (wanted - doubt) / lowest)
+            floor = min(b.mean[i], (wanted + doubt) / highest)
             wanted = min(max(wanted, floor), ceiling)
         b.used[i] += share * (wanted - b.used[i])
 
