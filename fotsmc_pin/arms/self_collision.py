@@ -126,7 +126,7 @@ class SelfCollision:
         return moved
 
     def _add_floor(self, height: float) -> None:
-        import coal
+        import coal  # type: ignore[import-untyped]
 
         place = pin.SE3(np.eye(3), np.array([0.0, 0.0, height - 0.5 * THICKNESS]))
         box = coal.Box(SIDE, SIDE, THICKNESS)
@@ -156,7 +156,7 @@ class SelfCollision:
         rng = np.random.default_rng(0)
         draws = [touching(self.arm.random_configuration(rng)) for _ in range(DRAWS)]
         always = at_neutral & (np.mean(draws, axis=0) > MOSTLY)
-        dropped = [(self.pairs[k], shapes.collisionPairs[k]) for k in np.flatnonzero(always)]
+        dropped = [(self.pairs[k], shapes.collisionPairs[int(k)]) for k in np.flatnonzero(always)]
         for _, pair in dropped:
             shapes.removeCollisionPair(pin.CollisionPair(pair.first, pair.second))
         return tuple(names for names, _ in dropped)
@@ -175,8 +175,8 @@ def collision_model(arm: Arm) -> pin.GeometryModel:
             if mesh is not None and find_mesh(mesh.get("filename", ""), arm.package_dirs) is None:
                 link.remove(shape)
                 warnings.warn(
-                    f"{arm.name}: mesh {mesh.get('filename')!r} of link {link.get('name')!r} is not "
-                    "there, so that collisions of this shape go unseen; package_dirs says where "
+                    f"{arm.name}: mesh {mesh.get('filename')!r} of link {link.get('name')!r} "
+                    "is not there: collisions of this shape go unseen; package_dirs says where "
                     "packages are",
                     UserWarning,
                     stacklevel=2,
