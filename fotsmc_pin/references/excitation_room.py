@@ -38,6 +38,8 @@ class Room:
         acceleration: largest acceleration [rad/s², m/s²].
         effort: largest effort that the model needs, friction of the arm included [N·m, N].
         effort_limit: the arm's, or what stands for it where it has none.
+        effort_in_use: twice the largest effort that random states within the bounds need, where
+            that is less than the limit: files state limits that no drive of such an arm has.
     """
 
     lower: Array
@@ -46,6 +48,7 @@ class Room:
     acceleration: Array
     effort: Array
     effort_limit: Array
+    effort_in_use: Array
 
     @classmethod
     def of(
@@ -82,7 +85,9 @@ class Room:
         lower, upper = _range(arm)
         gap = margin * (upper - lower)
         limit = _effort_limit(arm)
+        bounds = (lower + gap, upper - gap, share * speed, share * acceleration)
         return cls(
+            effort_in_use=np.minimum(limit, 2.0 * _largest_effort(arm, *bounds)),
             lower=lower + gap,
             upper=upper - gap,
             velocity=share * speed,
@@ -103,6 +108,19 @@ def _range(arm: Arm) -> tuple[Array, Array]:
     half = np.array([HALF_RANGE[unit] for unit in arm.position_units])
     neutral = arm.to_joint_positions(arm.neutral)
     return np.maximum(lower, neutral - half), np.minimum(upper, neutral + half)
+
+
+def _largest_effort(arm: Arm, lower: Array, upper: Array, v: Array, a: Array) -> Array:
+    rng = np.random.default_rng(0)
+    efforts = [
+        arm.inverse_dynamics(
+            arm.from_joint_positions(rng.uniform(lower, upper)),
+            v * rng.uniform(-1.0, 1.0, arm.nv),
+            a * rng.uniform(-1.0, 1.0, arm.nv),
+        )
+        for _ in range(200)
+    ]
+    return np.maximum(np.abs(efforts).max(axis=0), LEAST_EFFORT)
 
 
 def _effort_limit(arm: Arm) -> Array:

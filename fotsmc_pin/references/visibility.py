@@ -20,12 +20,12 @@ OF_JOINT = ("armature", "viscous", "Coulomb")
 """Parameters of a joint: rotor inertia [kg·m²], viscous friction [N·m·s/rad], Coulomb [N·m]."""
 
 NOISE = 0.005
-"""Noise of a torque reading, as a share of the effort limit."""
+"""Noise of a torque reading, as a share of the largest effort in use."""
 LEAST_RADIUS, LEAST_MASS = 0.05, 0.05
 """A link is taken to be at least so large [m], and at least this share of the mean link's mass."""
 ROTOR, VISCOUS, COULOMB = 0.005, 0.02, 0.02
-"""What a joint's parameters are compared with: effort limit times a kg·m² for each N·m, and shares
-of the effort limit (viscous friction at the velocity limit)."""
+"""What a joint's parameters are compared with: the largest effort in use times so many kg·m² for
+each N·m, and shares of that effort (viscous friction at the velocity limit)."""
 WELL = 0.1
 """A parameter is visible if its standard deviation is below this share of its size."""
 SAMPLES = 60
