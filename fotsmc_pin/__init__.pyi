@@ -42,6 +42,7 @@ from .analysis import (
     margins as margins,
     summarize as summarize,
 )
+from .identification import Log as Log, read_log as read_log
 from .evaluation.studies import ClosedLoop as ClosedLoop, StudyResult as StudyResult, study as study
 from .evaluation.stress import stress as stress
 from .realtime import run_realtime as run_realtime

@@ -62,6 +62,10 @@ class RecordingError(FotsmcError, ValueError):
     """A file is not a recording of this library, or one that is damaged."""
 
 
+class LogError(FotsmcError, ValueError):
+    """A robot's log cannot be read, or does not say what is needed: what, where, and the remedy."""
+
+
 class StudyError(FotsmcError, ValueError):
     """A file is not a store of runs, or the runs of a study cannot be made."""
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from fotsmc_pin.errors import ArgumentError
-
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -76,14 +74,20 @@ def units_of(arm: Arm, kind: str) -> tuple[str, ...]:
     return arm.effort_units
 
 
-def demand_unit(source: str, head: str, unit: str, wanted: str) -> None:
-    """Refuse a column in another unit; one that states none is taken to be right.
+def unit_flaw(head: str, unit: str, wanted: str) -> str | None:
+    """Return what is wrong with the unit of a column and how to mend it, None where it is right.
 
-    Raises:
-        ArgumentError: with the factor to multiply by, where there is one.
+    Args:
+        head: of the column, as written.
+        unit: as written in it.
+        wanted: the unit that it must be.
     """
-    if not unit or unit in SPELLINGS.get(wanted, (wanted,)):
-        return
+    if unit in SPELLINGS.get(wanted, (wanted,)):
+        return None
+    if not unit:
+        return (
+            f"column {head!r} states no unit: write {head.strip()} [{wanted}] if it is in {wanted}"
+        )
     degrees = unit.lower().removesuffix("²").removesuffix("^2").removesuffix("s").rstrip("/")
     if degrees in ("deg", "degree", "degrees", "°") and wanted.startswith("rad"):
         remedy = f"multiply the column by π/180 and write [{wanted}]"
@@ -95,4 +99,4 @@ def demand_unit(source: str, head: str, unit: str, wanted: str) -> None:
         remedy = f"divide the column by {factor} and write [{wanted}]"
     else:
         remedy = f"convert the column, and write [{wanted}]"
-    raise ArgumentError("path", source, f"column {head!r} is in {unit}: {remedy}")
+    return f"column {head!r} is in {unit}: {remedy}"

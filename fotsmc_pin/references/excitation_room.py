@@ -120,7 +120,8 @@ def _largest_effort(arm: Arm, lower: Array, upper: Array, v: Array, a: Array) ->
         )
         for _ in range(200)
     ]
-    return np.maximum(np.abs(efforts).max(axis=0), LEAST_EFFORT)
+    largest: Array = np.maximum(np.abs(efforts).max(axis=0), LEAST_EFFORT)
+    return largest
 
 
 def _effort_limit(arm: Arm) -> Array:

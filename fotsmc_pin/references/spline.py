@@ -11,7 +11,7 @@ import numpy as np
 from scipy.interpolate import PPoly, make_interp_spline
 
 from fotsmc_pin.arms import demand_arm
-from fotsmc_pin.arms.columns import TIME, Column, demand_unit
+from fotsmc_pin.arms.columns import TIME, Column, unit_flaw
 from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.references.path import JointPath, unwrapped
 from fotsmc_pin.references.time_scaling import motion_limits
@@ -141,7 +141,10 @@ def _columns(arm: Arm, path: str, header: list[str]) -> list[int]:
         raise ArgumentError("path", path, f"the header has no column {missing[0]!r}")
     columns = [places[name] for name in (TIME, *arm.joint_names)]
     for place, unit in zip(columns, ("s", *arm.position_units), strict=True):
-        demand_unit(path, header[place].strip(), Column.of(header[place]).unit, unit)
+        stated = Column.of(header[place]).unit
+        flaw = unit_flaw(header[place].strip(), stated, unit) if stated else None
+        if flaw is not None:
+            raise ArgumentError("path", path, flaw)
     return columns
 
 
