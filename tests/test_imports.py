@@ -24,7 +24,7 @@ LARGEST_TOP_LEVEL = 14
 """So many packages can be read at a glance."""
 
 BELOW_ANALYSIS = {"fractional", "arms", "references", "control", "simulation"}
-BELOW_VIEW = BELOW_ANALYSIS | {"analysis", "learning", "evaluation"}
+BELOW_VIEW = BELOW_ANALYSIS | {"analysis", "learning", "evaluation", "identification"}
 
 MAY_IMPORT = {
     "fractional": set(),
@@ -36,6 +36,7 @@ MAY_IMPORT = {
     "realtime": BELOW_ANALYSIS,
     "learning": BELOW_ANALYSIS | {"analysis"},
     "evaluation": BELOW_ANALYSIS | {"analysis", "learning"},
+    "identification": BELOW_ANALYSIS | {"analysis", "learning"},
     "view": BELOW_VIEW,
     "paper": BELOW_VIEW | {"view"},
 }
@@ -43,7 +44,15 @@ MAY_IMPORT = {
 
 # References: a straight line of the tool needs inverse kinematics.
 KEEPERS = {
-    "pinocchio": {"arms", "simulation", "control", "learning", "view", "references"},
+    "pinocchio": {
+        "arms",
+        "simulation",
+        "control",
+        "learning",
+        "identification",
+        "view",
+        "references",
+    },
     "meshcat": {"view"},
     "matplotlib": {"view"},
 }
