@@ -62,6 +62,23 @@ class RecordingError(FotsmcError, ValueError):
     """A file is not a recording of this library, or one that is damaged."""
 
 
+class LogError(FotsmcError, ValueError):
+    """A robot's log is not what it should be.
+
+    Attributes:
+        kind: "motion" (too little), "columns" (swapped), "degrees", "sign", "gravity" (from another
+            direction) or "gravity-free" (torque that leaves gravity to the robot).
+    """
+
+    def __init__(self, kind: str, message: str) -> None:
+        self.kind = kind
+        super().__init__(message)
+
+    def __reduce__(self) -> tuple[type[LogError], tuple[str, str]]:
+        """Rebuild from the parts, so that the error can be pickled."""
+        return type(self), (self.kind, str(self))
+
+
 class StudyError(FotsmcError, ValueError):
     """A file is not a store of runs, or the runs of a study cannot be made."""
 

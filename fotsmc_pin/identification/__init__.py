@@ -1,5 +1,15 @@
 """From a recorded motion to the arm that explains it: logs, identification, payload."""
 
+from fotsmc_pin.identification.diagnosis import LogWarning
+from fotsmc_pin.identification.identify import identify
 from fotsmc_pin.identification.log import Log
+from fotsmc_pin.identification.result import Identification, IdentifiedParameter, TorqueCheck
 
-__all__ = ["Log"]
+__all__ = [
+    "Identification",
+    "IdentifiedParameter",
+    "Log",
+    "LogWarning",
+    "TorqueCheck",
+    "identify",
+]
