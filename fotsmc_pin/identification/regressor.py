@@ -34,6 +34,8 @@ SLACK = 0.1
 """Room that the averages leave for a shift of the torque in time [s]."""
 STILL = 2e-3
 """Speed below which a joint may stick [rad/s, m/s]."""
+PASSING = 0.5
+"""Of the speed that a joint gains in half a window, below which it may stick too."""
 MOSTLY_STILL = 0.03
 """Share of an average in which a joint may stick before its row is left out."""
 BLOCK = 500
@@ -107,13 +109,12 @@ def equations(
         averaged = matrix @ bodies.reshape(len(bodies), -1)
         table[:, block, : 10 * n] = averaged.reshape(-1, n, 10 * n).transpose(1, 0, 2)
     matrix = averaging(times, piece.t, width)
-    speed = STILL + 5.0 * velocity_noise(piece)
     own = own_columns(piece, stribeck_velocity)
     for name in parameters.own:
         averaged = matrix @ own[name]
         for j in range(n):
             table[j, :, parameters.groups[name].start + j] = averaged[:, j]
-    resting = matrix @ (np.abs(piece.v) < speed).astype(float)
+    resting = matrix @ at_rest(piece).astype(float)
     return Equations(
         piece=piece, width=width, times=times, table=table, used=(resting < MOSTLY_STILL).T
     )
@@ -143,6 +144,16 @@ def own_columns(piece: Piece, stribeck_velocity: Array | float) -> dict[str, Arr
         # What jumps is smoothed like the torque; the others are smooth already.
         **{name: savgol_filter(x, 2 * half + 1, ORDER, axis=0) for name, x in kinked.items()},
     }
+
+
+def at_rest(piece: Piece) -> np.ndarray:
+    """Return whether each joint may stick at each sample (T, nv): friction is anything then.
+
+    A joint that turns round sticks for a while. The smoothed velocity does not show that as zero:
+    it runs through the speeds that the joint has within a window before and after.
+    """
+    passing = half_window(piece.dt) * piece.dt * np.sqrt(np.mean(piece.a**2, axis=0))
+    return np.abs(piece.v) < STILL + 5.0 * velocity_noise(piece) + PASSING * passing
 
 
 def velocity_noise(piece: Piece) -> Array:

@@ -16,7 +16,7 @@ from fotsmc_pin.identification.filtering import (
     half_window,
 )
 from fotsmc_pin.identification.fit import later
-from fotsmc_pin.identification.regressor import SLACK, equations, own_columns
+from fotsmc_pin.identification.regressor import SLACK, at_rest, equations, own_columns
 from fotsmc_pin.identification.result import TorqueCheck
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ def torque_check(
         system = equations(nominal, piece, parameters, width, speed)
         shift = shifts.get(id(piece))
         if shift is None:
-            noise = np.maximum(floor_of(piece), 1e-9)
+            noise = np.maximum(rms_of(noise_of(piece)), 1e-9)
             shift = later(system, 0.0, theta, noise, search=True)
         delays.append(shift)
         ours = model_torque(identified, piece) + offset
@@ -69,12 +69,14 @@ def torque_check(
         moved = averaging(at + shift, piece.t, width)
         columns.append((at, moved @ piece.tau, matrix @ ours, matrix @ before, system.used.T))
         measured = late_torque(piece, shift)
-        errors.append((measured - ours, measured - before, floor_of(piece) + 0.0 * ours))
+        moving = ~at_rest(piece)
+        parts = (measured - ours, measured - before, noise_of(piece))
+        errors.append(tuple(np.where(moving, part, np.nan) for part in parts))
     at, measured, predicted, by_nominal, used = (
         np.concatenate(parts) for parts in zip(*columns, strict=True)
     )
     error, nominal_error, floor = (
-        np.sqrt(np.mean(np.concatenate(parts) ** 2, axis=0)) for parts in zip(*errors, strict=True)
+        rms_of(np.concatenate(parts)) for parts in zip(*errors, strict=True)
     )
     return TorqueCheck(
         label=entry.log.label,
@@ -112,8 +114,14 @@ def late_torque(piece: Piece, shift: float) -> Array:
     return piece.raw_tau[rows]
 
 
-def floor_of(piece: Piece) -> Array:
-    """Return the RMS of the torque's noise (nv,): what no smooth torque explains."""
+def noise_of(piece: Piece) -> Array:
+    """Return what no smooth torque explains (T, nv), as large as noise was before smoothing."""
     half = half_window(piece.dt)
     left = 1.0 - savgol_coeffs(2 * half + 1, ORDER)[half]
-    return np.asarray(np.sqrt(np.mean((piece.raw_tau - piece.tau) ** 2, axis=0) / left))
+    return np.asarray((piece.raw_tau - piece.tau) / np.sqrt(left))
+
+
+def rms_of(table: Array) -> Array:
+    """Return the root mean square of each column (nv,); NaN does not count."""
+    count = np.maximum(np.sum(np.isfinite(table), axis=0), 1)
+    return np.asarray(np.sqrt(np.nansum(table**2, axis=0) / count))
