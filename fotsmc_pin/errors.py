@@ -63,7 +63,21 @@ class RecordingError(FotsmcError, ValueError):
 
 
 class LogError(FotsmcError, ValueError):
-    """A robot's log cannot be read, or does not say what is needed: what, where, and the remedy."""
+    """A robot's log cannot be read, or is not what it should be: what, where, and the remedy.
+
+    Attributes:
+        kind: "motion" (too little), "columns" (missing, swapped), "degrees", "sign", "gravity" (from
+            another direction) or "gravity-free" (torque that leaves gravity to the robot); of files
+            "file" (not a log), "units", "clock" or "torque" (what it means is unknown, or mixed).
+    """
+
+    def __init__(self, kind: str, message: str) -> None:
+        self.kind = kind
+        super().__init__(message)
+
+    def __reduce__(self) -> tuple[type[LogError], tuple[str, str]]:
+        """Rebuild from the parts, so that the error can be pickled."""
+        return type(self), (self.kind, str(self))
 
 
 class StudyError(FotsmcError, ValueError):

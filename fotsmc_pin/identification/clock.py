@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +11,7 @@ from fotsmc_pin.errors import LogError
 from fotsmc_pin.types import Array  # noqa: TC001 - a NamedTuple's fields are evaluated
 
 BRIDGED = 5.0
-"""A gap of up to so many periods is bridged by straight lines; at a longer one the log is cut."""
+"""A gap of up to so many periods is bridged by straight lines; a longer one parts the log."""
 MISSING = 1.5
 """Beyond so many periods between two rows one is missing."""
 EVEN = 0.01
@@ -18,14 +19,14 @@ EVEN = 0.01
 BACKWARDS = 0.01
 """Share of the rows that may come before their time, as messages on a network do."""
 LEAST = 20
-"""Rows that a log must have."""
+"""Rows that a log, and each piece between gaps, must have."""
 
 
 class Steady(NamedTuple):
-    """Rows at even times.
+    """Rows at even times, but for gaps.
 
     Attributes:
-        t: time (T,) [s], even, from the first stamp on.
+        t: time (T,) [s], from the first stamp on.
         columns: rows at these times (T, k).
         notes: what was found and done, in plain words.
         alarming: those of the notes that a user should look at.
@@ -38,10 +39,10 @@ class Steady(NamedTuple):
 
 
 def steady(source: str, t: Array, columns: Array) -> Steady:
-    """Return rows at even times: each stamp once, in order, without gaps.
+    """Return rows at even times between gaps: each stamp once, in order.
 
-    Of a log with gaps the longest piece is kept. Rows that are evenly spaced stay as they are;
-    others are resampled at their median period, by straight lines between neighbours.
+    Rows that are evenly spaced stay as they are; others are resampled at the median period, by
+    straight lines between neighbours. Nothing is drawn across a gap of more than `BRIDGED` periods.
 
     Args:
         source: what to call the log.
@@ -58,15 +59,19 @@ def steady(source: str, t: Array, columns: Array) -> Steady:
     t, columns = _each_once(t, columns, alarming)
     _demand_rows(source, t, "without repeated stamps it has")
     period = float(np.median(np.diff(t)))
-    t, columns = _longest_piece(t, columns, period, alarming)
-    _demand_rows(source, t, "its longest piece without a gap has")
-    t, columns = _even(t, columns, period, notes)
-    return Steady(t, columns, notes + alarming, alarming)
+    parts = _pieces(t, period, alarming)
+    if not parts:
+        raise LogError(
+            "clock", f"{source}: no {LEAST} rows in a row without a gap; record it again"
+        )
+    pieces = [_even(t[part], columns[part], period, notes) for part in parts]
+    even, rows = (np.concatenate(side) for side in zip(*pieces, strict=True))
+    return Steady(even, rows, list(dict.fromkeys(notes)) + alarming, alarming)
 
 
 def _demand_rows(source: str, t: Array, what: str) -> None:
     if len(t) < LEAST:
-        raise LogError(f"{source}: {what} {len(t)} rows, and at least {LEAST} are needed")
+        raise LogError("clock", f"{source}: {what} {len(t)} rows, and at least {LEAST} are needed")
 
 
 def _in_order(source: str, t: Array, columns: Array, alarming: list[str]) -> tuple[Array, Array]:
@@ -76,8 +81,9 @@ def _in_order(source: str, t: Array, columns: Array, alarming: list[str]) -> tup
     if back.size > BACKWARDS * len(t) or float(-np.diff(t)[back].min()) > 1.0:
         row = int(back[0])
         raise LogError(
+            "clock",
             f"{source}: stamps run backwards, first from {t[row]:.6g} to {t[row + 1]:.6g} s "
-            f"(row {row + 2}): were two logs joined, or the clock set? Read them one by one"
+            f"(row {row + 2}): were two logs joined, or the clock set? Read them one by one",
         )
     order = np.argsort(t, kind="stable")
     alarming.append(f"{back.size} rows came after later ones and were put in order")
@@ -98,9 +104,8 @@ def _each_once(t: Array, columns: Array, alarming: list[str]) -> tuple[Array, Ar
     return t[kept], columns[kept]
 
 
-def _longest_piece(
-    t: Array, columns: Array, period: float, alarming: list[str]
-) -> tuple[Array, Array]:
+def _pieces(t: Array, period: float, alarming: list[str]) -> list[slice]:
+    """Return the pieces between gaps, those that are long enough."""
     steps = np.diff(t)
     short = np.flatnonzero((steps > MISSING * period) & (steps <= BRIDGED * period))
     if short.size:
@@ -110,18 +115,18 @@ def _longest_piece(
             f"ms, first at {t[short[0]]:.6g} s; bridged by straight lines"
         )
     wide = np.flatnonzero(steps > BRIDGED * period)
-    if not wide.size:
-        return t, columns
-    ends = np.concatenate([[0], wide + 1, [len(t)]])
-    longest = int(np.argmax(np.diff(ends)))
-    first, last = int(ends[longest]), int(ends[longest + 1])
-    at = ", ".join(f"{steps[k]:.4g} s at {t[k]:.6g} s" for k in wide[:3])
-    more = f" and {wide.size - 3} more" if wide.size > 3 else ""
-    alarming.append(
-        f"the clock has gaps ({at}{more}); the longest piece is kept, {t[first]:.6g} to "
-        f"{t[last - 1]:.6g} s: read the others with start and stop"
-    )
-    return t[first:last], columns[first:last]
+    ends = [0, *(wide + 1).tolist(), len(t)]
+    parts = [slice(a, b) for a, b in pairwise(ends)]
+    kept = [part for part in parts if part.stop - part.start >= LEAST]
+    if wide.size:
+        at = ", ".join(f"{steps[k]:.4g} s at {t[k]:.6g} s" for k in wide[:3])
+        more = f" and {wide.size - 3} more" if wide.size > 3 else ""
+        lost = sum(part.stop - part.start for part in parts if part not in kept)
+        left = f", {lost} rows in shorter ones are left out" if lost else ""
+        alarming.append(
+            f"the clock has gaps ({at}{more}): {len(kept)} pieces are used one by one{left}"
+        )
+    return kept
 
 
 def _even(t: Array, columns: Array, period: float, notes: list[str]) -> tuple[Array, Array]:

@@ -37,11 +37,13 @@ def read_csv(path: Path, arm: Arm) -> LogTable:
     """
     comments, lines = _split(path)
     if not lines:
-        raise LogError(f"{path}: no header; the first line must be like {HEADER}")
+        raise LogError("file", f"{path}: no header; the first line must be like {HEADER}")
     header = [head.strip() for head in next(csv.reader([lines[0]]))]
     columns = [Column.of(head) for head in header]
     if not any(column.kind == TIME for column in columns):
-        raise LogError(f"{path}: the header has no column 't [s]'; it must be like {HEADER}")
+        raise LogError(
+            "file", f"{path}: the header has no column 't [s]'; it must be like {HEADER}"
+        )
     units = _units(arm)
     wanted: dict[tuple[str, str], int] = {}
     for place, (head, column) in enumerate(zip(header, columns, strict=True)):
@@ -50,10 +52,10 @@ def read_csv(path: Path, arm: Arm) -> LogTable:
         if unit is None:
             continue
         if key in wanted:
-            raise LogError(f"{path}: column {head!r} stands twice")
+            raise LogError("columns", f"{path}: column {head!r} stands twice")
         flaw = unit_flaw(head, column.unit, unit)
         if flaw is not None:
-            raise LogError(f"{path}: {flaw}")
+            raise LogError("degrees" if "π/180" in flaw else "units", f"{path}: {flaw}")
         wanted[key] = place
     table = _numbers(path, lines[1:], list(wanted.values()), 2 + len(comments))
     found = dict(zip(wanted, table.T, strict=True))
@@ -96,7 +98,7 @@ def _split(path: Path) -> tuple[list[str], list[str]]:
     try:
         lines = path.read_text("utf-8-sig").splitlines()
     except UnicodeDecodeError:
-        raise LogError(f"{path}: not a text file in UTF-8") from None
+        raise LogError("file", f"{path}: not a text file in UTF-8") from None
     comments = []
     for line in lines:
         if line.strip() and not line.startswith("#"):
@@ -121,11 +123,13 @@ def _numbers(path: Path, lines: list[str], places: list[int], first: int) -> Arr
         try:
             rows.append([float(line[place]) for place in places])
         except (ValueError, IndexError):
-            raise LogError(f"{path}: line {number} does not hold a number in each column") from None
+            raise LogError(
+                "file", f"{path}: line {number} does not hold a number in each column"
+            ) from None
     table = np.array(rows).reshape(-1, len(places))
     if not np.isfinite(table).all():
         row = first + int(np.argwhere(~np.isfinite(table))[0][0])
-        raise LogError(f"{path}: line {row} holds what is not finite; leave such rows out")
+        raise LogError("file", f"{path}: line {row} holds what is not finite; leave such rows out")
     return table
 
 

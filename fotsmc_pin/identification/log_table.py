@@ -77,11 +77,12 @@ class LogTable:
             if any(name in columns for name in names)
         }
         if not here:
-            raise LogError(f"{self.source}: no torque for any joint of {arm.name}")
+            raise LogError("torque", f"{self.source}: no torque for any joint of {arm.name}")
         if asked is None and list(here) == [""]:
             raise LogError(
+                "torque",
                 f"{self.source} does not say where its torque comes from: give torque='measured' "
-                "(sensors, motor currents) or torque='commanded' (what the controller asked for)"
+                "(sensors, motor currents) or torque='commanded' (what the controller asked for)",
             )
         if asked is None and len(here) > 1:
             self._refuse_mixture(here, names)
@@ -90,8 +91,9 @@ class LogTable:
             columns = here.get(kind)
             if columns is None:
                 raise LogError(
+                    "torque",
                     f"{self.source} holds {' and '.join(here)} torque and no {asked} one; leave "
-                    "torque out"
+                    "torque out",
                 )
         else:
             columns = here[""]
@@ -106,10 +108,11 @@ class LogTable:
         stated = self.compensates
         if compensates is None and stated is None:
             raise LogError(
+                "torque",
                 f"{self.source} does not say whether its torque is total: give compensates=() for "
                 "the whole torque at the joints, compensates=('gravity',) where the robot adds the "
                 "weight itself (libfranka's commanded torque, UR's direct torque), or ('gravity', "
-                "'friction')"
+                "'friction')",
             )
         if compensates is None:
             return stated or ()
@@ -117,12 +120,15 @@ class LogTable:
         for word in given:
             if word not in COMPENSATED:
                 hint = did_you_mean(word, COMPENSATED)
-                raise LogError(f"compensates = {word!r}: {hint}choose of {', '.join(COMPENSATED)}")
+                raise LogError(
+                    "torque", f"compensates = {word!r}: {hint}choose of {', '.join(COMPENSATED)}"
+                )
         if stated is not None and set(stated) != set(given):
             told = " and ".join(stated) or "nothing"
             raise LogError(
+                "torque",
                 f"{self.source} says that the robot compensates {told}, and compensates = {given} "
-                "says otherwise: leave one out"
+                "says otherwise: leave one out",
             )
         return given
 
@@ -135,16 +141,18 @@ class LogTable:
         if whole and all(kind in TORQUES for kind in here):
             words = " and ".join(here)
             raise LogError(
-                f"{self.source} holds {words} torque: say which to take, torque='{whole[0]}'"
+                "torque",
+                f"{self.source} holds {words} torque: say which to take, torque='{whole[0]}'",
             )
         parts = "; ".join(
             f"{kind or 'unstated'} of {', '.join(name for name in names if name in columns)}"
             for kind, columns in here.items()
         )
         raise LogError(
+            "torque",
             f"{self.source} mixes kinds of torque ({parts}): a commanded torque is what the "
             "controller asked for, a measured one what acted, and their difference would be taken "
-            "for dynamics; give one kind for all joints"
+            "for dynamics; give one kind for all joints",
         )
 
     def _columns(self, what: str, columns: dict[str, Array], names: Sequence[str]) -> Array:
@@ -152,32 +160,8 @@ class LogTable:
         if missing:
             hint = did_you_mean(missing[0], [name for name in self._names if name not in names])
             raise LogError(
+                "columns",
                 f"{self.source}: no {what} of {', '.join(missing)}; {hint}"
-                f"its joints are {', '.join(self._names) or 'none'}"
+                f"its joints are {', '.join(self._names) or 'none'}",
             )
         return np.column_stack([columns[name] for name in names])
-
-
-def demand_one_kind(logs: Sequence[object]) -> None:
-    """Refuse logs whose torques mean different things.
-
-    Args:
-        logs: `Log`s that are to be used together.
-
-    Raises:
-        LogError: naming two that differ, and why they cannot be mixed.
-    """
-    first, *others = logs
-    for other in others:
-        for name, what in (("torque", "comes from"), ("compensates", "leaves out")):
-            mine, yours = getattr(first, name), getattr(other, name)
-            if set(mine) != set(yours) if name == "compensates" else mine != yours:
-                told = [
-                    " and ".join(x) or "nothing" if name == "compensates" else x
-                    for x in (mine, yours)
-                ]
-                raise LogError(
-                    f"{getattr(first, 'label', first)} and {getattr(other, 'label', other)} differ "
-                    f"in what their torque {what}: {told[0]} and {told[1]}; one set of parameters "
-                    "cannot explain both, identify from one kind at a time"
-                )

@@ -12,9 +12,9 @@ from fotsmc_pin.arms import demand_arm
 from fotsmc_pin.errors import LogError
 from fotsmc_pin.identification.clock import steady
 from fotsmc_pin.identification.csv_log import read_csv
+from fotsmc_pin.identification.diagnosis import LogWarning
 from fotsmc_pin.identification.log import TORQUES, Log
 from fotsmc_pin.identification.log_table import LogTable
-from fotsmc_pin.identification.plausible import demand_positions, demand_velocities
 from fotsmc_pin.identification.ros_log import read_ros
 from fotsmc_pin.references.path import unwrapped
 from fotsmc_pin.simulation import Recording
@@ -27,10 +27,6 @@ if TYPE_CHECKING:
     from fotsmc_pin.arms import Arm
 
 KINDS = "a recording (.npz), a CSV file (.csv), a ROS 2 bag (folder, .db3) or an MCAP file (.mcap)"
-
-
-class LogWarning(UserWarning):
-    """Something about a log was mended while it was read: stamps, gaps, odd positions."""
 
 
 def read_log(
@@ -57,8 +53,9 @@ def read_log(
     - a ROS 2 bag (a folder, or `.db3`) or `.mcap`: messages `sensor_msgs/JointState`, by the extra
       "logs".
 
-    Stamps that stand twice count once, the longest piece between gaps is kept, and rows that are
-    not evenly spaced are resampled (`clock.steady`); `Log.notes` says all that was found and done.
+    Stamps that stand twice count once, short gaps are bridged, longer ones stay, and rows that are
+    not evenly spaced between them are resampled (`clock.steady`); `Log.notes` says all that was
+    found and done.
 
     Args:
         path: the file or folder.
@@ -72,19 +69,18 @@ def read_log(
         stop: read up to this time [s].
 
     Returns:
-        The log, evenly spaced; its time begins at 0 with the first row that is kept.
+        The log, evenly spaced between gaps; its time begins at 0 with the first row that is kept.
 
     Raises:
         LogError: what the file lacks or contradicts: columns by name, units, the meaning of the
-            torque, kinds of torque mixed, stamps that run backwards, velocities that are not the
-            change of the positions.
+            torque, kinds of torque mixed, stamps that run backwards. Whether the numbers can be
+            what their heads say, `identify` judges.
         MissingDependencyError: a ROS bag, and rosbags is not installed.
         RecordingError: a damaged `.npz` file.
         FileNotFoundError: no such file.
 
     Warns:
-        LogWarning: stamps were repeated or out of order, rows are missing, or positions are beyond
-            the limits of their joint.
+        LogWarning: stamps were repeated or out of order, or rows are missing.
     """
     demand_arm(arm)
     if torque is not None:
@@ -103,7 +99,7 @@ def _table(path: Path, arm: Arm, topic: str | None) -> LogTable:
         return of_recording(str(path), Recording.load(path))
     if suffix in (".csv", ".txt"):
         return read_csv(path, arm)
-    raise LogError(f"{path}: give {KINDS}")
+    raise LogError("file", f"{path}: give {KINDS}")
 
 
 def of_recording(source: str, rec: Recording) -> LogTable:
@@ -150,11 +146,9 @@ def assembled(
     clocked = steady(table.source, t[inside], rows[inside])
     n = arm.nv
     x, tau = clocked.columns[:, :n], clocked.columns[:, n : 2 * n]
-    odd = demand_positions(table.source, arm, x)
     if v is not None:
         v = clocked.columns[:, 2 * n :]
-        demand_velocities(table.source, arm, clocked.t, x, v)
-    for what in clocked.alarming + odd:
+    for what in clocked.alarming:
         warn_user(f"{table.source}: {what}", LogWarning)
     return Log(
         t=clocked.t - clocked.t[0],
@@ -165,5 +159,5 @@ def assembled(
         compensates=kept,
         source=table.source,
         torque=kind,
-        notes=(*table.notes, *clocked.notes, *odd),
+        notes=(*table.notes, *clocked.notes),
     )

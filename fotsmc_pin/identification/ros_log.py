@@ -48,7 +48,7 @@ def read_ros(path: Path, arm: Arm, topic: str | None) -> LogTable:
     except FotsmcError:
         raise
     except Exception as error:
-        raise LogError(f"{path}: not a ROS 2 bag that can be read ({error})") from error
+        raise LogError("file", f"{path}: not a ROS 2 bag that can be read ({error})") from error
     source = f"{path} ({connections[0].topic})"
     return _table(source, rows, arm)
 
@@ -71,16 +71,17 @@ def _connections(path: Path, bag: Any, topic: str | None) -> list[Any]:
     topics = sorted({connection.topic for connection in states})
     if not topics:
         held = ", ".join(sorted({c.msgtype for c in bag.connections})) or "nothing"
-        raise LogError(f"{path}: no {MESSAGE} in it; it holds {held}")
+        raise LogError("file", f"{path}: no {MESSAGE} in it; it holds {held}")
     if topic is None and len(topics) > 1:
         raise LogError(
-            f"{path}: joint states on {', '.join(topics)}; say which, topic={topics[0]!r}"
+            "columns",
+            f"{path}: joint states on {', '.join(topics)}; say which, topic={topics[0]!r}",
         )
     chosen = topics[0] if topic is None else topic
     if chosen not in topics:
         hint = did_you_mean(chosen, topics)
         raise LogError(
-            f"{path}: no joint states on {chosen!r}; {hint}there are {', '.join(topics)}"
+            "columns", f"{path}: no joint states on {chosen!r}; {hint}there are {', '.join(topics)}"
         )
     return [connection for connection in states if connection.topic == chosen]
 
@@ -92,8 +93,9 @@ def _table(source: str, rows: list[tuple[int, Any]], arm: Arm) -> LogTable:
         names = sorted({name for _, message in rows for name in message.name})
         hint = did_you_mean(arm.joint_names[0], names)
         raise LogError(
+            "columns",
             f"{source}: no message about any joint of {arm.name} ({', '.join(arm.joint_names)}); "
-            f"{hint}there are {', '.join(names)}"
+            f"{hint}there are {', '.join(names)}",
         )
     if len(own) < len(rows):
         notes.append(f"{len(rows) - len(own)} messages about other joints passed over")
@@ -102,8 +104,9 @@ def _table(source: str, rows: list[tuple[int, Any]], arm: Arm) -> LogTable:
     partly = [n for n in arm.joint_names if n not in everywhere and any(n in k for k in kinds)]
     if partly:
         raise LogError(
+            "columns",
             f"{source}: some messages lack {', '.join(partly)}: joint states of one arm in several "
-            "messages cannot be put together; record the topic that has them all"
+            "messages cannot be put together; record the topic that has them all",
         )
     t, stamped = _times(own)
     if not stamped:
@@ -142,7 +145,8 @@ def _by_joint(
         values, own = getattr(message, what), tuple(message.name)
         if len(values) != len(own):
             raise LogError(
-                f"{source}: a message has {len(own)} names and {len(values)} numbers of {what}"
+                "file",
+                f"{source}: a message has {len(own)} names and {len(values)} numbers of {what}",
             )
         if own == names:
             table.append(values)

@@ -7,9 +7,9 @@ import pytest
 
 import fotsmc_pin as fp
 from fotsmc_pin.arms.columns import heads
-from fotsmc_pin.errors import LogError, RecordingError
+from fotsmc_pin.errors import ArgumentError, LogError, RecordingError
 from fotsmc_pin.identification import LogWarning
-from fotsmc_pin.identification.log_table import demand_one_kind
+from fotsmc_pin.identification.reading import read_logs
 
 RATE = 200.0
 KNOWN = {"torque": "measured", "compensates": ()}
@@ -122,41 +122,6 @@ def test_other_spellings_of_a_unit_are_read(motion, path, arm, unit):
     assert len(fp.read_log(motion.write(path), arm)) == len(motion.t)
 
 
-# What the numbers themselves say.
-
-
-def test_degrees_under_a_head_of_radians(motion, path, arm):
-    for head in motion.columns:
-        if head.startswith(("q.", "v.")):
-            motion.columns[head] = np.rad2deg(motion.columns[head])
-    refused(motion.write(path), arm, "degrees.*π/180")
-
-
-@pytest.mark.parametrize(
-    ("kind", "factor", "match"),
-    [
-        ("v", 180.0 / np.pi, "velocity of panda_joint4 is in degrees a second"),
-        ("v", -1.0, "velocity of panda_joint4 has the opposite sign"),
-        ("v", 2.0, "velocity of panda_joint4 is 2 times"),
-    ],
-)
-def test_a_velocity_that_is_not_the_change_of_its_position(motion, path, arm, kind, factor, match):
-    motion.columns[f"{kind}.panda_joint4 [rad/s]"] *= factor
-    refused(motion.write(path), arm, match)
-
-
-def test_velocities_that_are_swapped(motion, path, arm):
-    a, b = "v.panda_joint2 [rad/s]", "v.panda_joint5 [rad/s]"
-    motion.columns[a], motion.columns[b] = motion.columns[b], motion.columns[a]
-    refused(motion.write(path), arm, "panda_joint2 is the change .* of panda_joint5.*swapped")
-
-
-def test_positions_beyond_their_limits_are_said(motion, path, arm):
-    motion.columns["q.panda_joint4 [rad]"] = motion.columns["q.panda_joint4 [rad]"] + 2.0
-    with pytest.warns(LogWarning, match="panda_joint4 goes .* beyond its limits"):
-        fp.read_log(motion.write(path), arm)
-
-
 # The clock.
 
 
@@ -177,16 +142,17 @@ def test_rows_that_are_missing_are_bridged_and_said(arm, path):
     np.testing.assert_allclose(log.q, Motion(arm, np.arange(400) / RATE).x, atol=2e-4)
 
 
-def test_of_a_log_with_a_gap_the_longest_piece_is_kept_and_the_other_can_be_read(arm, path):
-    t = np.concatenate([np.arange(100), np.arange(300, 600)]) / RATE
+def test_a_log_with_a_gap_stays_in_pieces_and_it_is_said(arm, path):
+    t = np.concatenate([np.arange(100), np.arange(300, 600), np.arange(700, 705)]) / RATE
     motion = Motion(arm, t)
-    with pytest.warns(LogWarning, match=r"gaps \(1\.005 s at 0\.495 s\).*1\.5 to 2\.995 s"):
+    words = r"gaps \(1\.005 s at 0\.495 s, 0\.505 s at 2\.995 s\): 2 pieces .* 5 rows in shorter"
+    with pytest.warns(LogWarning, match=words):
         log = fp.read_log(motion.write(path), arm)
-    assert len(log) == 300
-    assert log.t[0] == 0.0
-    np.testing.assert_allclose(log.q, motion.x[100:], atol=1e-12)
+    np.testing.assert_allclose(log.t, t[:400], atol=1e-12)
+    np.testing.assert_allclose(log.q, motion.x[:400], atol=1e-12)
     first = fp.read_log(path, arm, stop=0.495)
     np.testing.assert_allclose(first.q, motion.x[:100], atol=1e-12)
+    refused(Motion(arm, np.arange(60) // 12 + np.arange(60) / RATE).write(path), arm, "no 20 rows")
 
 
 def test_stamps_that_run_backwards_are_refused_and_a_few_late_rows_put_in_order(arm, path):
@@ -251,15 +217,14 @@ def test_of_two_kinds_one_is_chosen(motion, path, arm):
 
 def test_logs_of_different_kinds_are_not_used_together(motion, path, arm):
     one = fp.read_log(motion.write(path), arm)
-    demand_one_kind([one, one])
     motion.rename("tau_measured", "tau")
     for said, match in (
-        ({"torque": "commanded", "compensates": ()}, "comes from: measured and commanded"),
-        ({"torque": "measured", "compensates": ("gravity",)}, "leaves out: nothing and gravity"),
+        ({"torque": "commanded", "compensates": ()}, "total, measured; .*total, commanded"),
+        ({"torque": "measured", "compensates": ("gravity",)}, "without gravity, measured"),
     ):
         other = fp.read_log(motion.write(path, comment=""), arm, **said)
-        with pytest.raises(LogError, match=match):
-            demand_one_kind([one, other])
+        with pytest.raises(ArgumentError, match=match):
+            read_logs(arm, [one, other])
 
 
 def test_a_word_that_means_nothing(motion, path, arm):
