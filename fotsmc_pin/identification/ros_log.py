@@ -59,7 +59,7 @@ def _rosbags() -> tuple[Any, Any]:
         from rosbags.typesys import Stores, get_typestore
     except ImportError as error:
         raise MissingDependencyError(
-            f"ROS bags and MCAP files need {error.name}: pip install 'fotsmc_pin[logs]'"
+            f"ROS bags and MCAP files need {error.name}: pip install rosbags"
         ) from None
     # Bags older than 2023 hold no definitions: those of JointState have never changed.
     store = get_typestore(Stores.ROS2_HUMBLE)

@@ -109,7 +109,7 @@ class Excitation:
         clearance = checks.finite_number("clearance", self.clearance, at_least=0.0)
         if self.floor is not None:
             checks.finite_number("floor", self.floor)
-        regressor = Regressor(self.arm, Scales.of(self.arm, room.velocity, room.effort_in_use))
+        regressor = Regressor(self.arm, Scales.of(self.arm, room.velocity, room.full_scale))
         collision = SelfCollision(self.arm, clearance=clearance, floor=self.floor)
         cost = Cost(self.arm, series, room, regressor, collision)
         with reporting(self.progress, f"Designing a motion of {self.arm.name}") as report:
@@ -178,8 +178,8 @@ class Excitation:
     def condition_number(self) -> float:
         """Condition number of the base regressor in scaled parameters, over one period.
 
-        The parameters are scaled by the sizes of `visibility.Scales`, torques by the efforts in
-        use, so that the number does not depend on units.
+        The parameters are scaled by the sizes of `visibility.Scales`, torques by full
+        scale, so that the number does not depend on units.
         """
         sizes = np.linalg.eigvalsh(self._cost.information(self._coefficients))
         return float(np.sqrt(sizes[-1] / max(sizes[0], 1e-300)))
@@ -188,9 +188,9 @@ class Excitation:
     def seen(self) -> tuple[Seen, ...]:
         """What the motion tells of each parameter, by torques with noise of 0.5 % of full scale.
 
-        Full scale is the effort limit, or twice what motions within the bounds need at most where
-        that is less. Ten readings a second count, as those in between share the errors of model and
-        filters.
+        Full scale are the effort limits, all made smaller by one factor where no state within the
+        bounds needs half of any. Ten readings a second count, as those in between share the errors
+        of model and filters.
         """
         readings = READING_RATE * self.duration
         information = readings * self._cost.information(self._coefficients)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from fotsmc_pin.references.visibility import Regressor
     from fotsmc_pin.types import Array
 
-SAMPLES = 100
+SAMPLES = 80
 """Times of a period at which the regressor is taken."""
 BOUND_SAMPLES = 200
 """Times at which position, speed and acceleration are compared with their bounds."""
@@ -160,7 +160,9 @@ class Cost:
         own = [pull[:, joint, (10 + kind) * n + joint] for kind in range(3)]
         rotor, viscous, coulomb = (p * s for p, s in zip(own, regressor.of_joints, strict=True))
         slopes[2] += rotor
-        slopes[1] += viscous + coulomb / np.cosh(v / regressor.smooth) ** 2 / regressor.smooth
+        slopes[1] += (
+            viscous + coulomb * (1.0 - np.tanh(v / regressor.smooth) ** 2) / regressor.smooth
+        )
         return slopes
 
     @staticmethod

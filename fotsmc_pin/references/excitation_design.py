@@ -22,7 +22,7 @@ CANDIDATES = 20
 """Random motions of which each start takes the best."""
 DRAWS = 500
 """Middles tried for one that the arm can hold without touching itself."""
-PENALTIES = ((30.0, 60), (3000.0, 120))
+PENALTIES = ((30.0, 50), (3000.0, 90))
 """Weight of broken bounds, and evaluations spent with it, one after the other."""
 CHECK_STEP = 0.005
 """Times at which the final motion is checked are so far apart [s]."""

@@ -38,8 +38,9 @@ class Room:
         acceleration: largest acceleration [rad/s², m/s²].
         effort: largest effort that the model needs, friction of the arm included [N·m, N].
         effort_limit: the arm's, or what stands for it where it has none.
-        effort_in_use: twice the largest effort that random states within the bounds need, where
-            that is less than the limit: files state limits that no drive of such an arm has.
+        full_scale: what the noise of torque readings is a share of: the effort limits, all made
+            smaller by one factor where no random state within the bounds needs half of any: files
+            state limits that no drive of such an arm has.
     """
 
     lower: Array
@@ -48,7 +49,7 @@ class Room:
     acceleration: Array
     effort: Array
     effort_limit: Array
-    effort_in_use: Array
+    full_scale: Array
 
     @classmethod
     def of(
@@ -87,7 +88,7 @@ class Room:
         limit = _effort_limit(arm)
         bounds = (lower + gap, upper - gap, share * speed, share * acceleration)
         return cls(
-            effort_in_use=np.minimum(limit, 2.0 * _largest_effort(arm, *bounds)),
+            full_scale=limit * min(1.0, 2.0 * float((_largest_effort(arm, *bounds) / limit).max())),
             lower=lower + gap,
             upper=upper - gap,
             velocity=share * speed,

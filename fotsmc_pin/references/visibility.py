@@ -20,12 +20,12 @@ OF_JOINT = ("armature", "viscous", "Coulomb")
 """Parameters of a joint: rotor inertia [kg·m²], viscous friction [N·m·s/rad], Coulomb [N·m]."""
 
 NOISE = 0.005
-"""Noise of a torque reading, as a share of the largest effort in use."""
+"""Noise of a torque reading, as a share of full scale."""
 LEAST_RADIUS, LEAST_MASS = 0.05, 0.05
 """A link is taken to be at least so large [m], and at least this share of the mean link's mass."""
 ROTOR, VISCOUS, COULOMB = 0.005, 0.02, 0.02
-"""What a joint's parameters are compared with: the largest effort in use times so many kg·m² for
-each N·m, and shares of that effort (viscous friction at the velocity limit)."""
+"""What a joint's parameters are compared with: full scale times so many kg·m² for each N·m, and
+shares of full scale (viscous friction at the velocity limit)."""
 WELL = 0.1
 """A parameter is visible if its standard deviation is below this share of its size."""
 SAMPLES = 60
@@ -41,7 +41,7 @@ class Scales:
 
     Attributes:
         velocity: largest speed in use (nv,) [rad/s, m/s].
-        effort: largest effort (nv,) [N·m, N].
+        effort: full scale of a torque reading (nv,) [N·m, N].
         parameters: what a change of each parameter is measured by (13 nv,): for a link its mass,
             its mass times its radius and times the square of it; for a joint typical values of a
             geared drive.

@@ -185,5 +185,5 @@ def test_what_is_no_bag(arm, tmp_path):
 def test_without_rosbags_the_remedy_is_said(states, arm, tmp_path, monkeypatch):
     bag = write(tmp_path / "bag", {"/joint_states": states.messages()})
     monkeypatch.setitem(__import__("sys").modules, "rosbags.highlevel", None)
-    with pytest.raises(MissingDependencyError, match=r"fotsmc_pin\[logs\]"):
+    with pytest.raises(MissingDependencyError, match="pip install rosbags"):
         fp.read_log(bag, arm, **KNOWN)

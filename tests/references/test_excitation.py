@@ -248,8 +248,8 @@ def test_a_file_with_too_few_rows_is_refused(motions, tmp_path):
 @pytest.mark.parametrize("seed", [0, 1])
 def test_every_arm_and_the_whole_search(name, seed):
     arm = fp.load_arm(name)
-    started = time.perf_counter()
+    started = time.process_time()
     motion = Excitation(arm, seed)
-    assert time.perf_counter() - started < 60.0
+    assert time.process_time() - started < 60.0
     assert_bounds(motion)
     assert touches(motion) == []
