@@ -5,6 +5,7 @@ from typer.testing import CliRunner
 
 import fotsmc_pin as fp
 from fotsmc_pin.cli import app
+from fotsmc_pin.cli.run_references import task
 from fotsmc_pin.errors import ArgumentError, OutputExistsError
 from fotsmc_pin.references import Spline
 from fotsmc_pin.references import excitation_design as design
@@ -34,15 +35,12 @@ def test_it_leaves_a_motion_and_says_what_it_shows(tmp_path):
         said("excite", "two_link", "-o", path)
 
 
-def test_a_run_along_the_motion_measures_torque(tmp_path):
-    motion = tmp_path / "motion.csv"
-    said("excite", "two_link", "-o", motion, "--repetitions", 1, "--period", 4)
-    options = ("--encoder-bits", 20, "--torque-noise", 0.005, "--out", tmp_path / "run")
-    said("simulate", "two_link", "--reference", motion, "--mass-scale", 1.2, *options)
-    rec = fp.Recording.load(tmp_path / "run/run.npz")
-    assert rec.t[-1] == pytest.approx(4.0)
-    noise = (rec.tau_measured - rec.tau).std(axis=0) / rec.arm.effort_limit
-    assert noise == pytest.approx([0.005, 0.005], rel=0.1)
+def test_a_run_follows_the_motion(tmp_path):
+    said("excite", "two_link", "-o", tmp_path / "m.csv", "--repetitions", 1, "--period", 4)
+    found = task(str(tmp_path / "m.csv"), fp.load_arm("two_link"))
+    assert found.duration == pytest.approx(4.0)
+    assert abs(found.reference(0.0)[1]).max() < 1e-3
+    assert abs(found.reference(2.0)[1]).max() > 0.1
 
 
 def test_a_bad_option_is_named(tmp_path):
