@@ -30,6 +30,7 @@ from .fractional import (
 from .learning import (
     ModelLearning as ModelLearning,
 )
+from .identification import Identification as Identification, Log as Log, identify as identify
 from .simulation import (
     PlantChange as PlantChange,
     Recording as Recording,

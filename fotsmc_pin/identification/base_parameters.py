@@ -59,9 +59,7 @@ class Base:
 def base_of(arm: Arm, parameters: Parameters) -> Base:
     """Return the base parameters of an arm; gravity as the arm feels it."""
     n, rng = arm.nv, np.random.default_rng(0)
-    x = np.array(
-        [arm.to_joint_positions(arm.random_configuration(rng)) for _ in range(SAMPLES)]
-    )
+    x = np.array([arm.to_joint_positions(arm.random_configuration(rng)) for _ in range(SAMPLES)])
     v, a = 2.0 * rng.standard_normal((SAMPLES, n)), 5.0 * rng.standard_normal((SAMPLES, n))
     table = np.zeros((SAMPLES, n, parameters.size))
     table[:, :, : 10 * n] = body_columns(arm, x, v, a)

@@ -19,9 +19,9 @@ from scipy.linalg import cho_factor, cho_solve
 from scipy.optimize import minimize
 
 from fotsmc_pin.errors import LogError
-from fotsmc_pin.identification.filtering import configurations
+from fotsmc_pin.identification.filtering import averaging, configurations
 from fotsmc_pin.identification.prior import nominal_belief
-from fotsmc_pin.identification.regressor import Parameters
+from fotsmc_pin.identification.regressor import MOSTLY_STILL, Parameters, at_rest, own_columns
 from fotsmc_pin.user_warnings import warn_user
 
 if TYPE_CHECKING:
@@ -32,13 +32,25 @@ if TYPE_CHECKING:
     from fotsmc_pin.identification.reading import ReadLog
     from fotsmc_pin.types import Array
 
-SAMPLES = 300
+SAMPLES = 200
 """Of a log, on which the explanations are compared."""
+WIDTH = 0.03
+"""Standard deviation of the weight by which samples are averaged [s]."""
 TOLERANCE = 0.03
 """Error of the torque that an explanation may leave, over the swing of the torque."""
-BETTER, AT_LEAST = 0.5, 0.15
-"""Misfit of another explanation over that of the log as it stands, and decrease per equation, from
-which on it is believed."""
+BETTER, AT_LEAST = 0.1, 25.0
+"""Decrease of the misfit, which is a χ², by which another explanation is believed: its share of the
+misfit of the log as it stands, and at the least."""
+PLAIN = 0.02
+"""That share for a wrong sign and for torque without gravity, which explain a right log far worse."""
+LINKS = 0.2
+"""Standard deviation of a link's mass over its nominal one, here where the file is to judge."""
+DIRECTIONS = 40
+"""From which gravity is tried to come."""
+QUIET = 0.2
+"""Misfit per equation that leaves nothing for a slightly other direction of gravity to explain."""
+TILT = 0.05
+"""Angle between two directions of gravity that counts [rad]."""
 BEYOND = 3.0
 """Positions over the limits, from which on they are not radians."""
 TOO_FAST = 8.0
@@ -56,12 +68,14 @@ class LogWarning(UserWarning):
 
 @dataclass(frozen=True, eq=False)
 class Sample:
-    """Some instants of a log (M, nv)."""
+    """Some instants of a log (M, nv): `sign` is that of the velocity, averaged like the torque."""
 
     x: Array
     v: Array
     a: Array
     tau: Array
+    sign: Array
+    moves: np.ndarray
     noise: Array
 
 
@@ -126,9 +140,7 @@ def _demand_velocities(arm: Arm, entry: ReadLog) -> None:
     ours = np.concatenate([piece.v for piece in entry.pieces])
     theirs = np.concatenate(
         [
-            np.column_stack(
-                [np.interp(piece.t, entry.log.t, column) for column in entry.log.v.T]
-            )
+            np.column_stack([np.interp(piece.t, entry.log.t, column) for column in entry.log.v.T])
             for piece in entry.pieces
         ]
     )
@@ -170,12 +182,18 @@ def _likeness(a: Array, b: Array) -> float:
 def _demand_best_explanation(arm: Arm, entry: ReadLog) -> None:
     """Refuse a log that another reading explains much better."""
     explain = _Explanations(arm, _sample(entry.pieces))
-    as_is = explain.as_is()
-    best, kind, words = as_is, "", ""
-    for misfit, name, sentence in explain.others():
-        if misfit < best:
-            best, kind, words = misfit, name, sentence
-    if best < BETTER * as_is and as_is - best > AT_LEAST * explain.rows:
+    as_is, others = explain.as_is(), list(explain.others())
+    believed = [
+        (misfit, kind, words)
+        for misfit, kind, words in others
+        if as_is - misfit
+        > max((PLAIN if kind in ("sign", "gravity-free") else BETTER) * as_is, AT_LEAST)
+    ]
+    if believed:
+        # Of readings that are nearly as good the first, which is the plainest.
+        best = min(misfit for misfit, _, _ in believed)
+        near = best + 0.1 * (as_is - best)
+        best, kind, words = next(reading for reading in believed if reading[0] <= near)
         raise LogError(
             kind,
             f"{entry.log.label}: {words} (explained so, the torque's misfit is "
@@ -184,17 +202,31 @@ def _demand_best_explanation(arm: Arm, entry: ReadLog) -> None:
 
 
 def _sample(pieces: tuple[Piece, ...]) -> Sample:
-    """Return evenly spread samples of a log."""
-    total = sum(len(piece.t) for piece in pieces)
-    rows = [np.arange(0, len(piece.t), max(1, total // SAMPLES)) for piece in pieces]
-
-    def taken(name: str) -> Array:
-        return np.concatenate(
-            [getattr(piece, name)[row] for piece, row in zip(pieces, rows, strict=True)]
-        )
-
-    noise = np.sqrt(np.mean(np.concatenate([p.raw_tau - p.tau for p in pieces]) ** 2, axis=0))
-    return Sample(x=taken("x"), v=taken("v"), a=taken("a"), tau=taken("tau"), noise=noise)
+    """Return averages of a log, evenly spread."""
+    spacing = sum(piece.t[-1] - piece.t[0] for piece in pieces) / SAMPLES
+    parts = []
+    for piece in pieces:
+        width = max(WIDTH, 2.5 * piece.dt)
+        times = np.arange(piece.t[0] + 4.0 * width, piece.t[-1] - 4.0 * width, spacing)
+        matrix = averaging(times, piece.t, width)
+        noise = np.sqrt(np.mean((piece.raw_tau - piece.tau) ** 2, axis=0))
+        noise *= np.sqrt(piece.dt / (2.0 * np.sqrt(np.pi) * width))
+        resting = at_rest(piece).astype(float)
+        own = own_columns(piece, 1.0)
+        tables = (piece.x, piece.v, piece.a, piece.tau, resting, own["friction"])
+        parts.append((*(matrix @ table for table in tables), np.tile(noise, (len(times), 1))))
+    x, v, a, tau, resting, sign, noise = (
+        np.concatenate(tables) for tables in zip(*parts, strict=True)
+    )
+    return Sample(
+        x=x,
+        v=v,
+        a=a,
+        tau=tau,
+        sign=sign,
+        moves=resting < MOSTLY_STILL,
+        noise=np.sqrt(np.mean(noise**2, axis=0)),
+    )
 
 
 class _Explanations:
@@ -203,16 +235,17 @@ class _Explanations:
     def __init__(self, arm: Arm, sample: Sample) -> None:
         self.arm, self.sample, self.n = arm, sample, arm.nv
         self.parameters = Parameters(arm.nv)
-        belief = nominal_belief(arm, self.parameters)
+        belief = nominal_belief(arm, self.parameters, links=LINKS)
         self.mean, self.factor = belief.mean, np.linalg.cholesky(belief.covariance)
         swing = np.std(sample.tau, axis=0)
         self.noise = np.hypot(sample.noise, TOLERANCE * np.maximum(swing, 0.05 * swing.max()))
         self.rows = sample.tau.size
         self.down = np.array(arm.model.gravity.linear)
         self.still = self.table(np.zeros(3), sample.x, sample.v, sample.a)
-        self.by_axis = [self.table(axis, sample.x, 0.0 * sample.v, 0.0 * sample.a) for axis in
-                        np.eye(3)]
-        self.columns = own_columns_of(sample)
+        self.by_axis = [
+            self.table(axis, sample.x, 0.0 * sample.v, 0.0 * sample.a) for axis in np.eye(3)
+        ]
+        self.columns = {"armature": sample.a, "damping": sample.v, "friction": sample.sign}
 
     def as_is(self) -> float:
         """Return the misfit of the log as it stands."""
@@ -246,7 +279,7 @@ class _Explanations:
                 "columns",
                 f"the torque columns of {both} are swapped",
             )
-            moved = _Solver(self, self.reordered(swap))
+            moved = _Solver(self, self.reordered(swap), swap)
             yield (
                 moved.misfit(tau),
                 "columns",
@@ -267,27 +300,46 @@ class _Explanations:
         yield self.plain.misfit(self.sample.tau + added), "gravity-free", free
         # A robot that knows its own weight well leaves nothing of it.
         yield _Solver(self, self.whole(np.zeros(3))).misfit(self.sample.tau), "gravity-free", free
-        steps = [np.array(step, dtype=float) for step in np.ndindex(3, 3, 3) if step != (1, 1, 1)]
-        units = [(step - 1.0) / np.linalg.norm(step - 1.0) for step in steps]
+        units = directions(DIRECTIONS)
         misfits = [self.with_gravity(size * unit) for unit in units]
-        best = units[int(np.argmin(misfits))]
-        if np.allclose(size * best, self.down):
+        if self.plain.misfit(self.sample.tau) < min(QUIET * self.rows, *misfits):
             return
-        found = minimize(
-            lambda way: self.with_gravity(size * way / np.linalg.norm(way)),
-            best,
-            method="Nelder-Mead",
-            options={"maxfev": 60, "xatol": 1e-3, "fatol": 1.0},
+        starts = units[np.argsort(misfits)[:3]]
+        misfit, way = min(
+            (self.refined(size * start) for start in starts), key=lambda pair: pair[0]
         )
-        way = size * found.x / np.linalg.norm(found.x)
+        if way @ self.down > size**2 * np.cos(TILT):
+            return
         turn = self.to_base(way)
         yield (
-            float(found.fun),
+            misfit,
             "gravity",
             f"gravity comes from another direction than the arm's file has it: about "
             f"({turn[0]:.1f}, {turn[1]:.1f}, {turn[2]:.1f}) m/s² in the frame of the base; give "
             "load_arm(..., gravity=...) how the arm is mounted",
         )
+
+    def refined(self, start: Array) -> tuple[float, Array]:
+        """Return the least misfit with gravity from near `start`, and that gravity (3,)."""
+        size = float(np.linalg.norm(start))
+        across = size * np.linalg.svd(start[None])[2][1:]
+
+        def way(tilt: Array) -> Array:
+            leant = start + tilt @ across
+            return np.asarray(size * leant / np.linalg.norm(leant))
+
+        found = minimize(
+            lambda tilt: self.with_gravity(way(tilt)),
+            np.zeros(2),
+            method="Nelder-Mead",
+            options={
+                "maxfev": 60,
+                "xatol": 5e-3,
+                "fatol": 1.0,
+                "initial_simplex": [[0.0, 0.0], [0.2, 0.0], [0.0, 0.2]],
+            },
+        )
+        return float(found.fun), way(found.x)
 
     def with_gravity(self, gravity: Array) -> float:
         """Return the misfit of the log with gravity from elsewhere."""
@@ -332,23 +384,29 @@ class _Explanations:
         return found
 
 
+def directions(count: int) -> Array:
+    """Return unit vectors (count + 6, 3): on Fibonacci's spiral, and along the axes."""
+    k = np.arange(count) + 0.5
+    height, turn = 1.0 - 2.0 * k / count, np.pi * (1.0 + np.sqrt(5.0)) * k
+    flat = np.sqrt(1.0 - height**2)
+    spiral = np.column_stack([flat * np.cos(turn), flat * np.sin(turn), height])
+    return np.vstack([spiral, np.eye(3), -np.eye(3)])
+
+
 class _Solver:
     """The fit of any torque to one regressor, with its misfit."""
 
-    def __init__(self, of: _Explanations, table: Array) -> None:
-        scaled = table / of.noise[:, None, None]
+    def __init__(self, of: _Explanations, table: Array, swap: np.ndarray | None = None) -> None:
+        moves = of.sample.moves if swap is None else of.sample.moves[:, swap]
+        # A joint that may stick has no row.
+        self.weight = moves / of.noise
+        scaled = table * self.weight.T[:, :, None]
         self.rows = (scaled @ of.factor).reshape(-1, of.mean.size)
         self.mean = (scaled @ of.mean).ravel()
-        self.noise = of.noise
         self.factored = cho_factor(np.eye(of.mean.size) + self.rows.T @ self.rows)
 
     def misfit(self, tau: Array) -> float:
         """Return what the best arm leaves of the torque, and how far it is from the nominal one."""
-        wanted = (tau / self.noise).T.ravel() - self.mean
+        wanted = (tau * self.weight).T.ravel() - self.mean
         right = self.rows.T @ wanted
         return float(wanted @ wanted - right @ cho_solve(self.factored, right))
-
-
-def own_columns_of(sample: Sample) -> dict[str, Array]:
-    """Return the columns of each joint's own parameters (M, nv)."""
-    return {"armature": sample.a, "damping": sample.v, "friction": np.sign(sample.v)}

@@ -111,7 +111,9 @@ class _Problem:
         self.factor = np.linalg.cholesky(belief.covariance)
         # Rows that are not used are zero, in the table and in the torque.
         self.rows = [system.table @ self.factor * system.used[:, :, None] for system in systems]
-        self.normal = sum(np.einsum("jkp,jkq->jpq", rows, rows, optimize=True) for rows in self.rows)
+        self.normal = sum(
+            np.einsum("jkp,jkq->jpq", rows, rows, optimize=True) for rows in self.rows
+        )
         self.count = sum(np.count_nonzero(system.used, axis=1) for system in systems)
 
     def swing(self) -> Array:
@@ -129,9 +131,7 @@ class _Problem:
         z = cho_solve(factored, right)
         return self.mean + self.factor @ z, cho_solve(factored, np.eye(z.size))
 
-    def noise(
-        self, shifts: Sequence[float], theta: Array, inverse: Array, noise: Array
-    ) -> Array:
+    def noise(self, shifts: Sequence[float], theta: Array, inverse: Array, noise: Array) -> Array:
         """Return the standard deviation of each joint's residual (nv,), parameters counted off."""
         squares = sum(
             np.sum(residuals(system, shift, theta) ** 2, axis=1)
