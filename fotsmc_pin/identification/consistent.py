@@ -2,10 +2,10 @@
 
 A body is possible when its pseudo-inertia, the second moments of its mass about the joint's origin
 with the first moments and the mass beside them (4, 4), has no eigenvalue below zero: that is a
-positive mass and the triangle inequality at once (Wensing, Kim, Slotine, IEEE Robotics and Automation
-Letters, 2018). It is linear in the ten parameters. So the fit, which is quadratic, becomes a convex
-program with one solution, whatever the start: `min ½ (θ - θ₀)ᵀ A (θ - θ₀)` with `θ₀` and `A` the
-linear fit and its precision. Armature and friction are not negative.
+positive mass and the triangle inequality at once (Wensing, Kim, Slotine, IEEE Robotics and
+Automation Letters, 2018). It is linear in the ten parameters. So the fit, which is quadratic,
+becomes a convex program with one solution, whatever the start: `min ½ (θ - θ₀)ᵀ A (θ - θ₀)` with
+`θ₀` and `A` the linear fit and its precision. Armature and friction are not negative.
 
 Log-Cholesky parameters, which make every number a possible body, were compared with it; the page
 "Identify your arm" has the figures.
@@ -89,7 +89,7 @@ def consistent(fit: Fit, parameters: Parameters, nominal: Array, sizes: Array) -
 
 
 def _pulled_inside(theta: Array, parameters: Parameters, nominal: Array) -> Array:
-    """Return the parameters with impossible bodies moved towards the nominal ones until they are."""
+    """Return the parameters with impossible bodies moved towards the nominal ones."""
     theta = theta.copy()
     for k in range(parameters.joints):
         place, share = parameters.body(k), 1e-9

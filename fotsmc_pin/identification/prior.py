@@ -107,7 +107,7 @@ def body_sizes(arm: Arm) -> Array:
     tool = model.frames[arm.tool_frame_id]
     away = float(np.linalg.norm(tool.placement.translation))
     sizes[tool.parentJoint - 1] = max(sizes[tool.parentJoint - 1], away)
-    return np.maximum(sizes, SMALLEST)
+    return np.asarray(np.maximum(sizes, SMALLEST), dtype=np.float64)
 
 
 def made_sound(inertia: pin.Inertia, size: float) -> pin.Inertia:
