@@ -30,7 +30,6 @@ from .fractional import (
 from .learning import (
     ModelLearning as ModelLearning,
 )
-from .identification import Identification as Identification, Log as Log, identify as identify
 from .simulation import (
     PlantChange as PlantChange,
     Recording as Recording,
@@ -42,6 +41,12 @@ from .analysis import (
     inertia_ratios as inertia_ratios,
     margins as margins,
     summarize as summarize,
+)
+from .identification import (
+    Identification as Identification,
+    Log as Log,
+    identify as identify,
+    read_log as read_log,
 )
 from .evaluation.studies import ClosedLoop as ClosedLoop, StudyResult as StudyResult, study as study
 from .evaluation.stress import stress as stress

@@ -42,7 +42,7 @@ MAY_IMPORT = {
 }
 """What each package may import at all, also inside functions; `cli` may import any."""
 
-# References: a straight line of the tool needs inverse kinematics.
+# References: a straight line of the tool needs inverse kinematics, an excitation the regressor.
 KEEPERS = {
     "pinocchio": {
         "arms",

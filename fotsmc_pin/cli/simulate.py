@@ -23,15 +23,13 @@ from fotsmc_pin.cli.output import (
 )
 from fotsmc_pin.cli.plant_options import PlantOptions
 from fotsmc_pin.cli.run_references import complete_reference
+from fotsmc_pin.cli.sensor_options import SensorOptions
 from fotsmc_pin.errors import ArgumentError, DivergenceError, RunInterrupted
 
 if TYPE_CHECKING:
     from fotsmc_pin.arms import Arm
     from fotsmc_pin.simulation import Recording
-    from fotsmc_pin.types import Actuator, Sensor
-
-VELOCITY_NOISE = 100.0
-"""Noise of the measured speed over that of the measured position [1/s]."""
+    from fotsmc_pin.types import Actuator
 
 
 @with_groups
@@ -87,13 +85,7 @@ def simulate(
             metavar="START:DURATION:FX,FY,FZ[,TX,TY,TZ][@LINK]",
         ),
     ] = None,
-    noise: Annotated[
-        float,
-        typer.Option(
-            help="Standard deviation of the measured positions [rad, m]; speeds get 100 times as "
-            "much per second [rad/s, m/s]."
-        ),
-    ] = 0.0,
+    sensors: SensorOptions,
     delay: Annotated[int, typer.Option(help="Ticks by which the torque comes late.")] = 0,
     duration: Annotated[
         float | None,
@@ -131,7 +123,7 @@ def simulate(
     pushes = wrenches(wrench or [], plant_arm, seconds)
     disturbed = disturbing(disturbance, plant_arm, seconds)
     changes = events(event or [], plant, make_true, seconds)
-    sensor, actuator = _sensor(nominal, noise, plant.seed), _actuator(delay)
+    sensor, actuator = sensors.make(nominal, dt, plant.seed), _actuator(delay)
     q0 = nominal.integrate(task.q_start, [start_error] * nominal.nv)
     warn_of_missing_rotors(nominal)
     warn_of_limits(plant_arm, task.reference, seconds)
@@ -143,7 +135,7 @@ def simulate(
         reference=task.words,
         true=true,
         disturbance=disturbance,
-        noise=noise,
+        noise=sensors.noise,
         delay=delay,
         start_error=start_error,
     )
@@ -194,16 +186,6 @@ def _true_arm(nominal: Arm, true: str | None, plant: PlantOptions, options: ArmO
         return plant.apply(nominal)
     loaded = load_true_arm(true, nominal, options)
     return plant.apply(loaded) if plant.asks_for_changes else loaded
-
-
-def _sensor(nominal: Arm, noise: float, seed: int | None) -> Sensor | None:
-    from fotsmc_pin.simulation import NoisySensor
-
-    if noise == 0.0:
-        return None
-    if not noise > 0.0:
-        raise ArgumentError("--noise", noise, "give a standard deviation of at least 0")
-    return NoisySensor(nominal, position=noise, velocity=VELOCITY_NOISE * noise, seed=seed or 0)
 
 
 def _actuator(delay: int) -> Actuator | None:

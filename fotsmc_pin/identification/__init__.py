@@ -3,6 +3,7 @@
 from fotsmc_pin.identification.diagnosis import LogWarning
 from fotsmc_pin.identification.identify import identify
 from fotsmc_pin.identification.log import Log
+from fotsmc_pin.identification.read_log import read_log
 from fotsmc_pin.identification.result import Identification, IdentifiedParameter, TorqueCheck
 
 __all__ = [
@@ -12,4 +13,5 @@ __all__ = [
     "LogWarning",
     "TorqueCheck",
     "identify",
+    "read_log",
 ]

@@ -11,11 +11,16 @@ from fotsmc_pin import checks
 from fotsmc_pin.errors import ArgumentError
 
 if TYPE_CHECKING:
+    from os import PathLike
+
+    from fotsmc_pin.arms import Arm
     from fotsmc_pin.simulation import Recording
     from fotsmc_pin.types import Array
 
 COMPENSATED = ("gravity", "friction")
 """What a robot may add itself to the torque that it is commanded, and then is not in the log."""
+TORQUES = ("measured", "commanded")
+"""Where the torque of a log comes from."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -30,6 +35,8 @@ class Log:
         joint_names: names of the joints, in the order of the columns of `v` and `tau`.
         compensates: what the robot adds itself and `tau` leaves out: any of "gravity", "friction".
         source: what to call the log in messages, such as the name of its file.
+        torque: "measured" by sensors or currents, or "commanded" by a controller.
+        notes: what reading it found and did, in plain words: stamps, gaps, resampling.
 
     Raises:
         ArgumentError: arrays of different lengths, numbers that are not finite, times that do not
@@ -43,11 +50,15 @@ class Log:
     joint_names: tuple[str, ...]
     compensates: tuple[str, ...] = ()
     source: str = ""
+    torque: str = "measured"
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Check shapes and words."""
         object.__setattr__(self, "joint_names", tuple(self.joint_names))
         object.__setattr__(self, "compensates", tuple(self.compensates))
+        object.__setattr__(self, "notes", tuple(self.notes))
+        checks.choice("torque", self.torque, TORQUES)
         for word in self.compensates:
             checks.choice("compensates", word, COMPENSATED)
         for name in ("t", "q", "v", "tau"):
@@ -91,6 +102,17 @@ class Log:
         size = f"{len(self)} rows over {self.duration:.4g} s, {len(self.joint_names)} joints"
         return f"<Log {self.source!r}: {size}>"
 
+    def to_csv(self, path: str | PathLike[str], arm: Arm) -> None:
+        """Write the log as a CSV file that `read_log` reads, with its meaning of torque.
+
+        Args:
+            path: the file; it is replaced.
+            arm: whose joints these are, in the order of the log, for units and angles.
+        """
+        from fotsmc_pin.identification.csv_log import write_csv
+
+        write_csv(path, self, arm)
+
     @classmethod
     def from_recording(cls, rec: Recording, *, source: str = "") -> Log:
         """Return the log of a run: what its sensors read, where the recording holds that.
@@ -111,5 +133,6 @@ class Log:
             v=measured("v", rec.v_motor),
             tau=measured("tau", rec.tau),
             joint_names=rec.arm.joint_names,
+            torque="commanded" if getattr(rec, "tau_measured", None) is None else "measured",
             source=source or f"run of {rec.metadata.get('controller', 'a controller')}",
         )

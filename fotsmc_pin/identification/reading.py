@@ -52,7 +52,7 @@ def read_logs(arm: Arm, logs: object, argument: str = "logs") -> list[ReadLog]:
     found = [
         in_order_of(arm, as_log(entry, f"log {k + 1}"), argument) for k, entry in enumerate(given)
     ]
-    kinds = {log.compensates for log in found}
+    kinds = {(log.torque, frozenset(log.compensates)) for log in found}
     if len(kinds) > 1:
         words = "; ".join(f"{log.label}: {_left_out(log)}" for log in found)
         raise ArgumentError(
@@ -86,6 +86,7 @@ def as_log(entry: Any, name: str) -> Log:
         tau=entry.tau,
         joint_names=entry.joint_names,
         compensates=tuple(getattr(entry, "compensates", ())),
+        torque=getattr(entry, "torque", "measured"),
         source=getattr(entry, "source", "") or name,
     )
 
@@ -154,4 +155,5 @@ def _pieces(arm: Arm, log: Log, argument: str) -> ReadLog:
 
 
 def _left_out(log: Log) -> str:
-    return f"without {' and '.join(log.compensates)}" if log.compensates else "total torque"
+    what = f"without {' and '.join(log.compensates)}" if log.compensates else "total"
+    return f"{what}, {log.torque}"

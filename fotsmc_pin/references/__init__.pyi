@@ -1,4 +1,5 @@
 from .cartesian_line import CartesianLine as CartesianLine
+from .excitation import Excitation as Excitation
 from .hold import Hold as Hold
 from .limits import (
     ReferenceWarning as ReferenceWarning,

@@ -11,6 +11,7 @@ import numpy as np
 from scipy.interpolate import PPoly, make_interp_spline
 
 from fotsmc_pin.arms import demand_arm
+from fotsmc_pin.arms.columns import TIME, Column, unit_flaw
 from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.references.path import JointPath, unwrapped
 from fotsmc_pin.references.time_scaling import motion_limits
@@ -63,7 +64,9 @@ class Spline(JointPath):
 
         A header with `t` and joint names may put the columns in any order, and is needed where the
         file has further columns; without a header they are the time and the joints in the arm's
-        order. A continuous joint has one column, its angle.
+        order. A continuous joint has one column, its angle. A joint's column is headed `NAME` or
+        `q.NAME`, with or without its unit, as in `t [s],q.joint1 [rad]`, which is how
+        `Excitation.to_csv` and logs are written. Lines that begin with # are comments.
 
         Args:
             arm: the arm.
@@ -77,25 +80,22 @@ class Spline(JointPath):
         """
         demand_arm(arm)
         with Path(path).open(newline="", encoding="utf-8") as file:
-            lines = [line for line in csv.reader(file) if any(cell.strip() for cell in line)]
+            rows = (line for line in file if not line.startswith("#"))
+            lines = [line for line in csv.reader(rows) if any(cell.strip() for cell in line)]
         columns = list(range(arm.nv + 1))
         first_row = 1
         if lines and not _is_number(lines[0][0]):
-            header = [cell.strip() for cell in lines.pop(0)]
-            missing = [name for name in ("t", *arm.joint_names) if name not in header]
-            if missing:
-                raise ArgumentError("path", str(path), f"the header has no column {missing[0]!r}")
-            columns = [header.index(name) for name in ("t", *arm.joint_names)]
+            columns = _columns(arm, str(path), lines.pop(0))
             first_row = 2
-        rows = []
+        numbers = []
         for number, line in enumerate(lines, first_row):
             try:
-                rows.append([float(line[column]) for column in columns])
+                numbers.append([float(line[column]) for column in columns])
             except (ValueError, IndexError):
                 raise ArgumentError(
                     "path", str(path), f"row {number} does not hold {arm.nv + 1} numbers"
                 ) from None
-        table = np.array(rows).reshape(-1, arm.nv + 1)
+        table = np.array(numbers).reshape(-1, arm.nv + 1)
         if not np.isfinite(table).all():
             raise ArgumentError("path", str(path), "every entry must be finite")
         configurations = [arm.from_joint_positions(row) for row in table[:, 1:]]
@@ -127,6 +127,25 @@ def spline_pieces(t: Array, x: Array, *, degree: int = 5, rest: bool = True) -> 
     inner = slice(degree, -degree)
     columns = [PPoly.from_spline((spline.t, column, degree)).c[:, inner] for column in weights.T]
     return spline.t[inner], np.stack(columns, axis=-1)
+
+
+def _columns(arm: Arm, path: str, header: list[str]) -> list[int]:
+    """Return which column of a file holds the time, and which the position of each joint."""
+    places: dict[str, int] = {}
+    for place, head in enumerate(header):
+        column = Column.of(head)
+        if column.kind in ("", "q", TIME):
+            places.setdefault(column.joint or TIME, place)
+    missing = [name for name in (TIME, *arm.joint_names) if name not in places]
+    if missing:
+        raise ArgumentError("path", path, f"the header has no column {missing[0]!r}")
+    columns = [places[name] for name in (TIME, *arm.joint_names)]
+    for place, unit in zip(columns, ("s", *arm.position_units), strict=True):
+        stated = Column.of(header[place]).unit
+        flaw = unit_flaw(header[place].strip(), stated, unit) if stated else None
+        if flaw is not None:
+            raise ArgumentError("path", path, flaw)
+    return columns
 
 
 def _is_number(text: str) -> bool:

@@ -9,6 +9,7 @@ from fotsmc_pin.simulation.sensors import (
     Encoder,
     NoisySensor,
     QuantizedSensor,
+    TorqueSensor,
     VelocityFromPosition,
 )
 from fotsmc_pin.simulation.simulate import simulate
@@ -25,6 +26,7 @@ __all__ = [
     "TickDelay",
     "TorqueLag",
     "TorqueRateLimit",
+    "TorqueSensor",
     "VelocityFromPosition",
     "Wrench",
     "simulate",

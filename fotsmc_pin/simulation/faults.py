@@ -36,6 +36,7 @@ class Tick(NamedTuple):
     measured: Any
     commanded: Any
     driven: Any
+    felt: Any
 
 
 def fault_of(
@@ -63,7 +64,8 @@ def fault_of(
         for name, value, shape in zip(("q", "v"), tick.measured, (q, v), strict=True):
             if (what := flaw(value, shape)) is not None:
                 return MeasurementError(f"sensor {name}", value, f"at t = {tick.t:.6g} s it {what}")
-    for name, value in (("controller", tick.commanded), ("actuator", tick.driven)):
+    torques = {"controller": tick.commanded, "actuator": tick.driven, "sensor": tick.felt}
+    for name, value in torques.items():
         if value is not NOTHING and (what := flaw(value, v)) is not None:
             return ArgumentError(f"{name} torque", value, f"at t = {tick.t:.6g} s it {what}")
     for t in times if disturbance is not None else ():

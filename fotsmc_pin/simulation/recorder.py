@@ -30,9 +30,19 @@ class Recorder:
     """
 
     def __init__(
-        self, arm: Arm, plant: Plant, controller: object, *, instants: Array, stride: int
+        self,
+        arm: Arm,
+        plant: Plant,
+        controller: object,
+        *,
+        instants: Array,
+        stride: int,
+        readings: tuple[str, ...] = (),
     ) -> None:
-        """Allocate a row for every `stride`-th of the ticks at `instants` [s]."""
+        """Allocate a row for every `stride`-th of the ticks at `instants` [s].
+
+        `readings` names what sensors measure: fields of the recording that it has only then.
+        """
         self._arm, self._controller, self._stride, self._filled = arm, controller, stride, 0
         self._t = instants[::stride].copy()
         size = len(self._t)
@@ -50,6 +60,8 @@ class Recorder:
         self._widths = [arm.nq, arm.nv, arm.nv, *(live[name].size for name in self._names)]
         self._live = (*plant.live, *(live[name] for name in self._names))
         self._table = np.zeros((size, sum(self._widths)))
+        widths = {"q_measured": arm.nq, "v_measured": arm.nv, "tau_measured": arm.nv}
+        self._readings = {name: np.zeros((size, widths[name])) for name in readings}
         self._note = specialized(note, self._table, 0, self._live)
 
     def write_reference(self, tick: int, q_d: Array, v_d: Array) -> None:
@@ -59,10 +71,12 @@ class Recorder:
         rows = slice((tick + skipped) // stride, (tick + len(q_d) - 1) // stride + 1)
         self._q_d[rows], self._v_d[rows] = q_d[skipped::stride], v_d[skipped::stride]
 
-    def write_row(self) -> None:
-        """Write the next row."""
+    def write_row(self, *readings: Array) -> None:
+        """Write the next row, with what the sensors read."""
         k = self._filled
         self._note(self._table, k, self._live)
+        for rows, reading in zip(self._readings.values(), readings, strict=True):
+            rows[k] = reading
         if self._asked:
             signals = self._live_signals or self._controller.signals  # type: ignore[attr-defined]
             for name, rows in self._asked.items():
@@ -97,6 +111,7 @@ class Recorder:
             e_dot=v - v_d,
             tau=tau,
             signals=live | asked,
+            **{name: rows[:n] for name, rows in self._readings.items()},
             arm=self._arm,
             metadata=metadata,
             events=tuple(event for event in events if event.time <= reached),

@@ -43,6 +43,12 @@ class Recording:
         tau: torque at the joints, after all limits (N, nv) [N·m, N].
         signals: named arrays (N, k) of the controller, such as "s", its sliding variable; of an arm
             with elastic joints also "deflection", motor beyond link, and "motor_speed".
+        q_measured: configuration that the sensors gave the controller (N, nq); None without a
+            sensor, where the controller was given the true one. Of an elastic joint it is that of
+            the side on which the encoder is.
+        v_measured: velocity that they gave it (N, nv) [rad/s, m/s], or None.
+        tau_measured: reading of `tau` of the same row by a torque sensor (N, nv) [N·m, N]; None
+            without one, see `simulation.TorqueSensor`.
         arm: the true arm; where events changed it, that of the start.
         metadata: plain data that tells how the run was made (controller, gains, dt, versions).
         events: what the plant became in mid-run, in the order of time.
@@ -62,6 +68,9 @@ class Recording:
     metadata: dict[str, Any] = field(default_factory=dict)
     events: tuple[PlantChange, ...] = ()
     wrenches: tuple[Wrench, ...] = ()
+    q_measured: Array | None = None
+    v_measured: Array | None = None
+    tau_measured: Array | None = None
 
     def __len__(self) -> int:
         """Return the number of recorded ticks."""
@@ -124,6 +133,8 @@ class Recording:
             "wrenches": [wrench.to_dict() for wrench in self.wrenches],
         }
         arrays = {name: getattr(self, name) for name in ARRAYS}
+        read = {name: getattr(self, name) for name in READINGS}
+        arrays |= {name: table for name, table in read.items() if table is not None}
         with reporting(progress, f"Saving {Path(path).name}") as report, replacing(path) as stream:
             recording_file.write(stream, arrays, self.signals, about, report)
 
@@ -137,7 +148,7 @@ class Recording:
         """
         with Path(path).open("rb") as stream:
             try:
-                found = recording_file.read(path, stream, ARRAYS)
+                found = recording_file.read(path, stream, ARRAYS, READINGS)
                 header = found.pop("header")
                 return cls(
                     arm=Arm.from_dict(header["arm"]),
@@ -152,5 +163,7 @@ class Recording:
                 raise RecordingError(f"{path}: not a recording of fotsmc_pin ({error})") from error
 
 
-OTHERS = ("signals", "arm", "metadata", "events", "wrenches")
+READINGS = ("q_measured", "v_measured", "tau_measured")
+"""Arrays that a recording has only where sensors gave them."""
+OTHERS = ("signals", "arm", "metadata", "events", "wrenches", *READINGS)
 ARRAYS = tuple(f.name for f in fields(Recording) if f.name not in OTHERS)

@@ -75,8 +75,15 @@ def write(
                     report(written / whole)
 
 
-def read(path: str | os.PathLike[str], stream: IO[bytes], names: tuple[str, ...]) -> dict[str, Any]:
+def read(
+    path: str | os.PathLike[str],
+    stream: IO[bytes],
+    names: tuple[str, ...],
+    optional: tuple[str, ...] = (),
+) -> dict[str, Any]:
     """Return what `write` wrote: the arrays `names`, "signals" and the "header".
+
+    Of the arrays `optional` those are returned that the file holds.
 
     Raises:
         RecordingError: the format is not one of those that this version reads.
@@ -93,6 +100,7 @@ def read(path: str | os.PathLike[str], stream: IO[bytes], names: tuple[str, ...]
             )
         derived = header.get("derived", [])
         arrays = {name: file[older.get(name, name)] for name in names if name not in derived}
+        arrays |= {name: file[name] for name in optional if name in file}
         signals = {name: file[SIGNAL_PREFIX + name] for name in header["signals"]}
     for name in derived:
         minuend, subtrahend = DIFFERENCES[name]

@@ -1,7 +1,8 @@
-"""What sensors make of the true state: noise, quantisation, velocity from position.
+"""What sensors make of the true state: noise, quantisation, velocity from position; torque.
 
 A sensor is any callable `(t, q, v) -> (q, v)`; a `reset()` is called at the start of a run if it
-has one. `Chain` puts several one after the other.
+has one. One that also has `measure_torque`, a callable `(t, tau) -> tau`, reads the torque at the
+joints for the recording. `Chain` puts several one after the other.
 """
 
 from __future__ import annotations
@@ -162,6 +163,53 @@ class VelocityFromPosition:
     def __call__(self, t: float, q: Array, v: Array) -> tuple[Array, Array]:
         """Return `q` as it came and the velocity that follows from it."""
         return q, self.differentiator.update(q)
+
+
+class TorqueSensor:
+    """Torque sensors in the joints, or currents that stand for it: white noise and finite steps.
+
+    The reading is `step · round((τ + noise · N(0, 1)) / step)` of the torque that the drives apply,
+    friction not yet taken off; on an elastic joint it is that of the motor. Position and velocity
+    pass unchanged, so put it into a `Chain` with what measures these.
+
+    Args:
+        arm: the arm that is measured.
+        noise: standard deviation, one number or one per joint [N·m, N].
+        step: of the reading, one number or one per joint [N·m, N]; 0 for none.
+        seed: of the noise, which is the same in every run of one seed.
+
+    Raises:
+        ArgumentError: a negative standard deviation, step or seed.
+    """
+
+    def __init__(
+        self, arm: Arm, *, noise: ArrayLike = 0.0, step: ArrayLike = 0.0, seed: int = 0
+    ) -> None:
+        self.noise = checks.per_joint("noise", noise, arm.nv, at_least=0.0)
+        self.step = checks.per_joint("step", step, arm.nv, at_least=0.0)
+        self.seed = checks.count("seed", seed, at_least=0)
+        self.reset()
+
+    def reset(self) -> None:
+        """Start the noise anew from the seed."""
+        self._rng = np.random.default_rng(self.seed)
+
+    def __call__(self, t: float, q: Array, v: Array) -> tuple[Array, Array]:
+        """Return `q` and `v` as they came."""
+        return q, v
+
+    def measure_torque(self, t: float, tau: Array) -> Array:
+        """Return the reading of `tau` (nv,) [N·m, N], a fresh array."""
+        noise = self.noise * self._rng.standard_normal(self.noise.size)
+        return _rounded(tau + noise, self.step)
+
+
+def torque_reader(sensor: object) -> Callable[[float, Array], Array] | None:
+    """Return what reads the torque in a sensor or in the parts of a chain, None if nothing does."""
+    if not isinstance(sensor, Chain):
+        return getattr(sensor, "measure_torque", None)
+    readers = [reader for reader in map(torque_reader, sensor.parts) if reader is not None]
+    return Chain(*readers) if readers else None
 
 
 class Chain:

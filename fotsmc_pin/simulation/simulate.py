@@ -23,6 +23,7 @@ from fotsmc_pin.simulation.memory import demand_memory
 from fotsmc_pin.simulation.plant import Plant
 from fotsmc_pin.simulation.recorder import Recorder
 from fotsmc_pin.simulation.reference_values import reference_values
+from fotsmc_pin.simulation.sensors import torque_reader
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -102,7 +103,10 @@ def simulate(
             effort limits of `arm`. Position and velocity go on without a step: a payload is taken
             on at the speed that the tool has. At another speed there would be an impact, which is
             the grasp's affair and not the payload's, and an arm grasps at the speed of the thing.
-        sensor: `(t, q, v) -> (q, v)`, from the true state to what the controller measures.
+        sensor: `(t, q, v) -> (q, v)`, from the true state to what the controller measures, which
+            the recording keeps as `q_measured` and `v_measured`. Where it, or a part of a `Chain`,
+            has a `measure_torque(t, tau)`, such as `TorqueSensor`, what that returns at each tick
+            is kept as `tau_measured`; no controller is told.
         actuator: `(t, tau) -> tau`, from the controller's torque to what the drives apply.
         substeps: integration steps in a tick.
         integrator: "rk4" or "semi-implicit"; by default "rk4", unless the arm has Coulomb friction
@@ -155,9 +159,15 @@ def simulate(
 
     ticks = round(duration / dt) + 1
     clock = _clock(dt, ticks, jitter, seed)
-    recorder = Recorder(arm, plant, controller, instants=clock[:-1], stride=stride)
+    read_torque = torque_reader(sensor)
+    readings: tuple[str, ...] = ("q_measured", "v_measured") if sensor is not None else ()
+    readings += ("tau_measured",) if read_torque is not None else ()
+    recorder = Recorder(
+        arm, plant, controller, instants=clock[:-1], stride=stride, readings=readings
+    )
     on_motors, shapes = plant.is_elastic and encoder == "motor", ((arm.nq,), (arm.nv,))
-    measured = commanded = driven = NOTHING
+    measured = commanded = driven = felt = NOTHING
+    read: tuple[Array, ...] = ()
     lost = -1
     started = time.perf_counter()
 
@@ -191,6 +201,7 @@ def simulate(
                         q, v = measured
                         if np.shape(q) != shapes[0] or np.shape(v) != shapes[1]:
                             raise ValueError(measured)
+                        read = (q, v)
                     if jitter > 0.0 and k > 0:
                         tau = controller.update(q, v, q_d, v_d, a_d, dt=t - clock[k - 1])
                     else:
@@ -199,15 +210,20 @@ def simulate(
                     if actuator is not None:
                         driven = tau = actuator(t, tau)
                     plant.load(t, tau)
+                    if read_torque is not None:
+                        felt = read_torque(t, plant.tau)
+                        if np.shape(felt) != shapes[1]:
+                            raise ValueError(felt)
+                        read = (q, v, felt)
                     if k % stride == 0:
-                        recorder.write_row()
+                        recorder.write_row(*read)
                     lost = plant.hold(t, period)
                     if lost < 0:
                         continue
                     cause = None
                 except (TypeError, ValueError) as error:
                     cause = error
-                tick = Tick(t, (q_d, v_d, a_d), measured, commanded, driven)
+                tick = Tick(t, (q_d, v_d, a_d), measured, commanded, driven, felt)
                 fault = fault_of(tick, arm, push, plant.stage_times(t, period))
                 if fault is not None:
                     raise fault from cause
