@@ -46,6 +46,7 @@ from .identification import (
     Identification as Identification,
     Log as Log,
     identify as identify,
+    identify_payload as identify_payload,
     read_log as read_log,
 )
 from .evaluation.studies import ClosedLoop as ClosedLoop, StudyResult as StudyResult, study as study

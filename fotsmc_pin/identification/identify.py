@@ -79,7 +79,7 @@ def identify(
     parameters = Parameters(arm.nv, offset=offset, stribeck=stribeck)
     with reporting(progress, f"Identifying {arm.name}") as report:
         read = read_logs(arm, logs)
-        held_out = read_logs(arm, validate, "validate") if _any(validate) else []
+        held_out = read_logs(arm, validate, "validate") if any_logs(validate) else []
         for entry in (*read, *held_out):
             demand_sense(arm, entry)
         report(0.2)
@@ -126,5 +126,6 @@ def identify(
     )
 
 
-def _any(logs: Any) -> bool:
+def any_logs(logs: Any) -> bool:
+    """Return whether any log was given."""
     return not (isinstance(logs, (list, tuple)) and not logs) and logs is not None
