@@ -10,9 +10,11 @@ import typer
 from fotsmc_pin.cli.animate import animate
 from fotsmc_pin.cli.arms import arms_command
 from fotsmc_pin.cli.excite import excite
+from fotsmc_pin.cli.identify import identify_command
 from fotsmc_pin.cli.inspect import inspect_command
 from fotsmc_pin.cli.margins import margins_command
 from fotsmc_pin.cli.output import INTERRUPTED, UsageError, say_error, speak_plainly
+from fotsmc_pin.cli.payload import payload_command
 from fotsmc_pin.cli.perturb import perturb_command
 from fotsmc_pin.cli.plain_help import PlainCommand, PlainGroup
 from fotsmc_pin.cli.report import report
@@ -51,6 +53,8 @@ app.command("report", cls=PlainCommand)(report)
 app.command("arms", cls=PlainCommand)(arms_command)
 app.command("inspect", cls=PlainCommand)(inspect_command)
 app.command("excite", cls=PlainCommand)(excite)
+app.command("identify", cls=PlainCommand)(identify_command)
+app.command("payload", cls=PlainCommand)(payload_command)
 app.command("margins", cls=PlainCommand)(margins_command)
 app.command("perturb", cls=PlainCommand)(perturb_command)
 app.command("stress", cls=PlainCommand)(stress)

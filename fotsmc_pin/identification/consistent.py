@@ -103,7 +103,7 @@ def nearest(wanted: Array, precision: Array, least: Sequence[Array], held: np.nd
     if not np.all(np.isfinite(found)) or "Solved" not in str(solution.status):
         raise FotsmcError(f"no possible bodies found that explain the log ({solution.status})")
     # The solver's cones hold to its tolerance only.
-    return np.where(held, np.maximum(found, 0.0), found)
+    return np.asarray(np.where(held, np.maximum(found, 0.0), found))
 
 
 def pulled_inside(body: Array, possible: Array) -> Array:

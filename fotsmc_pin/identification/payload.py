@@ -86,8 +86,8 @@ def identify_payload(
 ) -> IdentifiedPayload:
     """Return mass, centre of mass and inertia of what the tool holds.
 
-    The arm counts as known: its links to half a per cent of their masses, or as an identification left them.
-    What rubs and turns with the motors is not: friction is fitted beside the payload, and so are
+    The arm counts as known: its links to half a per cent of their masses, or as an identification
+    left them. What rubs and turns with the motors is not: friction is fitted beside the payload, and so are
     rotors where the arm has none. All three are left out of the result; only the payload is in it.
 
     An error of the arm's own masses goes into the payload. Where the arm's file is not trusted,
@@ -140,19 +140,17 @@ def identify_payload(
                 f"the log does not tell that anything is held: mass {body[0]:.2g} ± "
                 f"{mass_deviation:.2g} kg; hold something, or move more against gravity",
             )
-        moment = np.sqrt(np.diag(frame.rotation.T @ _centre_covariance(body, covariance)
-                                 @ frame.rotation))
+        moment = np.sqrt(
+            np.diag(frame.rotation.T @ _centre_covariance(body, covariance) @ frame.rotation)
+        )
         about = np.array(inertia.inertia)
         payload = Payload(
             mass=float(inertia.mass), com=np.array(inertia.lever), inertia=0.5 * (about + about.T)
         )
         loaded = perturb(nominal, payload=payload, name=f"{nominal.name}_loaded")
         shift = dict(zip((id(piece) for piece in pieces), linear.shifts, strict=True))
-        rubbing = {
-            name: np.maximum(linear.theta[parameters.groups[name]], 0.0)
-            for name in ("armature", "damping", "friction")
-        }
-        shown = perturb(loaded, **rubbing)
+        own = linear.theta[10 * nominal.nv :].clip(min=0.0).reshape(3, -1)
+        shown = perturb(loaded, armature=own[0], damping=own[1], friction=own[2])
         fits = [
             torque_check(nominal, shown, entry, np.zeros(nominal.nv), width, shift)
             for entry in read
@@ -202,7 +200,7 @@ def _possible(arm: Arm, body: Array, covariance: Array) -> Array:
     mass = max(float(body[0]), LIGHTEST)
     ball = pin.Inertia(mass, place, 0.4 * mass * (0.1 * HELD_AT) ** 2 * np.eye(3))
     least = np.diag([1e-10 * mass, 1e-10 * mass, 1e-10 * mass, LIGHTEST])
-    found = nearest(body, np.linalg.inv(covariance), [least], np.zeros(10, dtype=bool))
+    found = nearest(body, np.asarray(np.linalg.inv(covariance)), [least], np.zeros(10, dtype=bool))
     return pulled_inside(found, np.array(ball.toDynamicParameters()))
 
 

@@ -9,6 +9,7 @@ from fotsmc_pin.view.figures import (
     tracking_figure,
     velocity_figure,
 )
+from fotsmc_pin.view.identification_report import write_identification
 from fotsmc_pin.view.learning_figure import learning_figure
 from fotsmc_pin.view.many_runs import distribution_figure, front_figure
 from fotsmc_pin.view.margins_figure import margins_figure
@@ -32,5 +33,6 @@ __all__ = [
     "torque_figure",
     "tracking_figure",
     "velocity_figure",
+    "write_identification",
     "write_report",
 ]

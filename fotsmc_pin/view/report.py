@@ -90,14 +90,19 @@ def write_report(
 
 
 def _page(results: Results, sections: Mapping[str, str], title: str | None) -> str:
-    sections = {name: content for name, content in sections.items() if content}
     arms = dict.fromkeys(rec.arm.name for rec in results.runs.values())
     heading = title or " and ".join(arms) or results.folder.resolve().name
+    return filled(heading, _subtitle(results), sections, notice=divergences(results.runs))
+
+
+def filled(heading: str, subtitle: str, sections: Mapping[str, str], *, notice: str = "") -> str:
+    """Return the page of a report: sections of HTML by name, of which empty ones are left out."""
+    sections = {name: content for name, content in sections.items() if content}
     parts = {
         "style": (ASSETS / "report.css").read_text("utf-8"),
         "title": html.escape(heading),
-        "subtitle": html.escape(_subtitle(results)),
-        "notice": divergences(results.runs),
+        "subtitle": html.escape(subtitle),
+        "notice": notice,
         "links": "".join(f'<a href="#{_anchor(name)}">{name}</a>' for name in sections),
         "sections": "\n".join(
             f'<section aria-labelledby="{_anchor(name)}">'

@@ -43,19 +43,20 @@ def figures(results: Results) -> str:
         if results.study is None or path.stem != "distribution"
     ]
     if not pictures:
-        pictures = [(name, _drawn(figure)) for name, figure in _own_figures(results.runs)]
+        pictures = [(name, drawn_bytes(figure)) for name, figure in _own_figures(results.runs)]
     if not any(name == ESTIMATES for name, _ in pictures):
-        pictures += [(name, _drawn(figure)) for name, figure in _learnt(results.runs)]
-    return _gallery(pictures)
+        pictures += [(name, drawn_bytes(figure)) for name, figure in _learnt(results.runs)]
+    return gallery(pictures)
 
 
 def distributions(results: Results) -> str:
     """Return how the metrics of many runs are spread, as figures in HTML."""
     drawn = many_run_figures(results.study, results.stress)
-    return _gallery([(name, _drawn(figure)) for name, figure in drawn])
+    return gallery([(name, drawn_bytes(figure)) for name, figure in drawn])
 
 
-def _gallery(pictures: Sequence[tuple[str, bytes]]) -> str:
+def gallery(pictures: Sequence[tuple[str, bytes]]) -> str:
+    """Return pictures by name as HTML."""
     shown = "".join(_figure(name, picture) for name, picture in pictures)
     return f'<div class="figures">{shown}</div>' if shown else ""
 
@@ -103,7 +104,8 @@ def _own_figures(runs: Mapping[str, Recording]) -> Sequence[tuple[str, Figure]]:
     return drawn
 
 
-def _drawn(figure: Figure) -> bytes:
+def drawn_bytes(figure: Figure) -> bytes:
+    """Return a figure as SVG."""
     with tempfile.TemporaryDirectory() as folder:
         (path,) = save_figure(figure, Path(folder) / "figure.svg")
         return path.read_bytes()
