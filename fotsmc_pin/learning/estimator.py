@@ -36,7 +36,7 @@ STILL = 0.03
 IDLE = 0.5
 """Share of the recent time at rest from which on a joint's row says nothing."""
 REPEATS = 2.0
-DRIFT = 1e-3
+DRIFT = 1e-4
 """Variance that a parameter gains in a second of motion, over that beforehand."""
 NOISE_RATE = 1.0
 """Rate at which the noise of a row is tracked [1/s]."""
@@ -69,6 +69,7 @@ class JointRows(NamedTuple):
         learning: 1 where the row was taken in, 0 where it was idle.
         surprise: recent mean of the squared error over its variance.
         extra: friction beyond the estimate that a joint is given which does not start [N·m].
+        direction: of the friction that is fed forward, from -1 to 1.
     """
 
     torque: Array
@@ -89,6 +90,7 @@ class JointRows(NamedTuple):
     learning: Array
     surprise: Array
     extra: Array
+    direction: Array
 
 
 @kernel(is_part=True)

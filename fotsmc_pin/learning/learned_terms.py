@@ -33,13 +33,21 @@ class LearnedTerms(ModelTerms):
     """
 
     def __init__(
-        self, nominal: pin.Model, used: Array, fall: float, *, feed_forward: bool, in_loop: bool
+        self,
+        nominal: pin.Model,
+        used: Array,
+        direction: Array,
+        fall: float,
+        *,
+        feed_forward: bool,
+        in_loop: bool,
     ) -> None:
         """Copy the nominal model.
 
         Args:
             nominal: the arm's model, which stays as it is.
             used: live parameters that are used (p,).
+            direction: live direction of the friction (nv,).
             fall: speed at which friction falls, where that is learnt [rad/s, m/s].
             feed_forward: whether friction, or friction and `Δ`, are added.
             in_loop: whether the loop has the learnt model.
@@ -49,8 +57,8 @@ class LearnedTerms(ModelTerms):
         self._nominal = nominal
         self._learned_data, self._nominal_data = self.learned.createData(), nominal.createData()
         self._feeds, self._differs = feed_forward, feed_forward and not in_loop
-        self._used, self._fall = used, fall
-        self._add_friction = specialized(add_friction, used, used, fall, self.h)
+        self._used, self._direction, self._fall = used, direction, fall
+        self._add_friction = specialized(add_friction, used, direction, used, fall, self.h)
         self._bodies, self._armature = self.learned.inertias, self.learned.armature
         rotors = shared_columns(nominal.nv)
         self._rotors = used[rotors : rotors + nominal.nv]
@@ -59,7 +67,7 @@ class LearnedTerms(ModelTerms):
         """Write the terms at the configuration `q` (nq,) and the velocity of `joints`."""
         super().evaluate(q, joints)
         if self._feeds:
-            self._add_friction(joints.v_d, self._used, self._fall, self.h)
+            self._add_friction(joints.v_d, self._direction, self._used, self._fall, self.h)
         if self._differs:
             ahead = (q, joints.v_d, joints.a_d)
             self.h += pin.rnea(self.learned, self._learned_data, *ahead)
@@ -68,7 +76,7 @@ class LearnedTerms(ModelTerms):
     def friction(self, joints: Joints) -> Array:
         """Return the friction that the wanted speed will meet, (nv,)."""
         torque = np.zeros(joints.v_d.size)
-        self._add_friction(joints.v_d, self._used, self._fall, torque)
+        self._add_friction(joints.v_d, self._direction, self._used, self._fall, torque)
         return torque
 
     def write(self, link: int, dynamic: Array) -> None:

@@ -245,6 +245,7 @@ class ModelLearning(Described):
         self._terms = LearnedTerms(
             model,
             b.used,
+            self._x.direction,
             self.prior.stribeck_velocity,
             feed_forward=self._feeds,
             in_loop=self._in_loop,

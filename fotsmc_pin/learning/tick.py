@@ -19,7 +19,7 @@ from fotsmc_pin.learning.estimator import (
     take_row,
 )
 from fotsmc_pin.learning.parameters import Beliefs
-from fotsmc_pin.learning.trust import body, help_start, trust
+from fotsmc_pin.learning.trust import body, help_start, trust, turn_friction
 
 if TYPE_CHECKING:
     from fotsmc_pin.types import Array
@@ -77,7 +77,7 @@ def learn(
         whole: rows of `Whole` (9, 1).
         sent: torques that were sent and did not act yet, the oldest first (delay + 1, nv); moved on
             by one.
-        joints: rows of `JointRows` (18, nv).
+        joints: rows of `JointRows` (19, nv).
         beliefs: rows of `Beliefs` (8, p).
         P: covariance (p, p).
         Y: rows after one and after both low-passes (2, nv, c).
@@ -119,8 +119,9 @@ def learn(
         close_window(a.elapsed[0], v, x)
         a.duration[0], a.elapsed[0] = a.elapsed[0], 0.0
 
-    trust(dt, n, a.lowest[0], a.highest[0], b, P)
+    trust(dt, n, a.lowest[0], a.highest[0], x, b, P)
     help_start(dt, v_d, x, b)
+    turn_friction(dt, v_d, x)
     if phase > 0:
         link = (ticks - ticks // WINDOW) % n
         body(link, n, tool, bodies, b.used, written[link])

@@ -19,8 +19,10 @@ FADING = 0.3
 """Time in which the law's model follows the estimate [s]."""
 SURE = 2.0
 """Standard deviations that are counted as possible."""
-SIGN_WIDTH = 2e-3
-"""Wanted speed over which the friction that is fed forward changes sign [rad/s, m/s]."""
+TURNING = 1e-6
+"""Wanted way on which the friction that is fed forward turns round [rad, m]."""
+RELIEF = 0.1
+"""Time in which it is taken back from a joint that stands [s]."""
 LIGHTEST = 1e-9
 """Mass below which there is nothing to move [kg]."""
 FARTHEST_LINK = 0.05
@@ -36,8 +38,12 @@ FARTHEST = 0.3
 
 
 @kernel(is_part=True)
-def trust(dt: float, n: int, lowest: float, highest: float, b: Beliefs, P: Array) -> None:
-    """Move `used` by one tick towards the estimate.
+def trust(
+    dt: float, n: int, lowest: float, highest: float, joints: JointRows, b: Beliefs, P: Array
+) -> None:
+    """Move `used` by one tick towards the estimate; friction alone where the whole arm rests.
+
+    There a law holds with a torque that it has found: another weight in the model would move it.
 
     The mass matrix is a sum of positive semidefinite parts, one for each link, for the payload and
     for each rotor, each times its parameter. Where each true parameter is at least `lowest` and at
@@ -52,10 +58,12 @@ def trust(dt: float, n: int, lowest: float, highest: float, b: Beliefs, P: Array
         n: number of joints.
         lowest: ratio of true to believed inertia down to which the loop is used.
         highest: the same, upward.
+        joints: the joints' rows.
         b: the beliefs.
         P: covariance (p, p).
     """
     share, shared = dt / (FADING + dt), shared_columns(n)
+    resting = joints.idle.min() > IDLE
     for i in range(b.estimate.size):
         b.sigma[i] = math.sqrt(max(P[i, i], 0.0))
         wanted = b.estimate[i]
@@ -64,7 +72,8 @@ def trust(dt: float, n: int, lowest: float, highest: float, b: Beliefs, P: Array
             ceiling = max(b.mean[i], (wanted - doubt) / lowest)
             floor = min(b.mean[i], (wanted + doubt) / highest)
             wanted = min(max(wanted, floor), ceiling)
-        b.used[i] += share * (wanted - b.used[i])
+        if not (resting and i < shared + n):
+            b.used[i] += share * (wanted - b.used[i])
 
 
 @kernel(is_part=True)
@@ -141,18 +150,40 @@ def add_point(m: float, x: float, y: float, z: float, dynamic: Array) -> None:
     dynamic[9] += m * (x * x + y * y)
 
 
+@kernel(is_part=True)
+def turn_friction(dt: float, v_d: Array, joints: JointRows) -> None:
+    """Turn the friction that is fed forward the way a joint is to move; take it back at rest.
+
+    It lasts until the joint stands: were it to go with the wanted speed, the last bit of the way
+    would be made without, and the joint would stop short. A joint that stands has to be pushed by
+    its whole friction to either side before it slips.
+
+    Args:
+        dt: time since the last tick [s].
+        v_d: wanted speed (nv,).
+        joints: the joints' rows.
+    """
+    for j in range(v_d.size):
+        way = abs(v_d[j]) * dt
+        sign = 1.0 if v_d[j] > 0.0 else -1.0
+        joints.direction[j] = sign + (joints.direction[j] - sign) * math.exp(-way / TURNING)
+        if way < TURNING and joints.idle[j] > IDLE:
+            joints.direction[j] -= clip(joints.direction[j], dt / RELIEF)
+
+
 @kernel
-def add_friction(v_d: Array, used: Array, stribeck_velocity: float, h: Array) -> None:
+def add_friction(
+    v_d: Array, direction: Array, used: Array, stribeck_velocity: float, h: Array
+) -> None:
     """Add the friction that the wanted speed `v_d` (nv,) will meet to the torque `h` (nv,).
 
-    It closes no loop: the speed is the wanted one.
+    It closes no loop: speed and direction are the wanted ones.
     """
     n = v_d.size
     damping = shared_columns(n) + n
     friction, stribeck = damping + n, damping + 2 * n
     for j in range(n):
-        sign = math.tanh(v_d[j] / SIGN_WIDTH)
-        h[j] += used[damping + j] * v_d[j] + used[friction + j] * sign
+        h[j] += used[damping + j] * v_d[j] + used[friction + j] * direction[j]
         if used.size > stribeck:
             fall = math.exp(-((v_d[j] / stribeck_velocity) ** 2))
-            h[j] += used[stribeck + j] * sign * fall
+            h[j] += used[stribeck + j] * direction[j] * fall

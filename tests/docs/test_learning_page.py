@@ -11,7 +11,7 @@ from fotsmc_pin.learning import estimator, model_learning, parameters, trust
 
 PAGE = Path(__file__).parents[2] / "docs/learning.md"
 TEXT = " ".join(PAGE.read_text("utf-8").split())
-WORDS = {1.0: "a second", 2.0: "two", 4: "four", 1e-3: "a thousandth", 9.0: "nine", 0.5: "half"}
+WORDS = {1.0: "a second", 2.0: "two", 4: "four", 1e-4: "a ten-thousandth", 9.0: "nine", 0.5: "half"}
 TICK = 1e-3
 
 
@@ -32,7 +32,8 @@ TICK = 1e-3
         rf"\((\hat\theta - {trust.SURE:g}\sigma)/m_\mathrm{{low}}\)",
         f"at most {trust.FARTHEST_LINK:g} m from the nominal one",
         f"at most {trust.FARTHEST:g} m from the tool",
-        rf"\tanh(v_d/{1e3 * trust.SIGN_WIDTH:g}\,\mathrm{{mrad/s}})",
+        f"within {trust.TURNING:g} rad of the wanted way",
+        f"it is taken back in {trust.RELIEF:g} s",
         f"| centre of mass of a link | {parameters.CENTRES:g} m along each axis |",
         f"| factor on a link | {parameters.LINKS:g} |",
         f"| payload | {parameters.PAYLOAD:g} of the mass of all moving links, its centre within "

@@ -8,8 +8,9 @@ from fotsmc_pin.analysis import inertia_ratios
 from fotsmc_pin.evaluation.stress.cases import stress_scenario
 from fotsmc_pin.evaluation.stress.courses import hold
 from fotsmc_pin.evaluation.stress.plants import stress_plant
+from fotsmc_pin.learning.estimator import JointRows
 from fotsmc_pin.learning.parameters import Beliefs, Layout, Prior, first_beliefs
-from fotsmc_pin.learning.trust import trust
+from fotsmc_pin.learning.trust import RELIEF, trust, turn_friction
 from fotsmc_pin.simulation import NoisySensor, TickDelay
 
 DT = 1e-3
@@ -31,6 +32,11 @@ def run(true, controller, reference, duration, q0, **options):
         substeps=2,
         **options,
     )
+
+
+def joint_rows(n):
+    """Rows of joints that move."""
+    return JointRows(*np.zeros((len(JointRows._fields), n)))
 
 
 def norm(recording, start, end):
@@ -166,7 +172,7 @@ def test_what_is_used_keeps_the_ratios_that_the_law_bears(panda):
     b.estimate[layout.groups["payload"].start] = 2.0
     sigma = np.where(b.mean == 0.0, 0.3 * b.estimate, 0.1)
     for _ in range(20000):
-        trust(DT, 7, lowest, highest, b, np.diag(sigma**2))
+        trust(DT, 7, lowest, highest, joint_rows(7), b, np.diag(sigma**2))
     used = fp.perturb(panda, armature=b.used[armature], payload=float(b.used[7]))
     assert (b.used[armature] > 0.0).all()
     for sign in (-1.0, 1.0):
@@ -179,3 +185,38 @@ def test_what_is_used_keeps_the_ratios_that_the_law_bears(panda):
         ratios = inertia_ratios(true, used)
         assert lowest < ratios.lowest
         assert ratios.highest < highest
+
+
+def test_the_model_stays_while_the_arm_rests(panda):
+    layout = Layout(7, stribeck=False)
+    b = Beliefs(*first_beliefs(panda, Prior(), layout))
+    b.estimate[:] += 0.1 * b.deviation
+    joints, before = joint_rows(7), b.used.copy()
+    friction = layout.groups["friction"]
+    joints.idle[:] = 1.0
+    for _ in range(1000):
+        trust(DT, 7, 0.3, 2.5, joints, b, np.zeros((layout.size, layout.size)))
+    inertial = slice(0, layout.groups["damping"].start)
+    assert (b.used[inertial] == before[inertial]).all()
+    assert (b.used[friction] > before[friction]).all()
+    joints.idle[3] = 0.0
+    for _ in range(1000):
+        trust(DT, 7, 0.3, 2.5, joints, b, np.zeros((layout.size, layout.size)))
+    assert b.used[layout.groups["armature"]] == pytest.approx(
+        b.estimate[layout.groups["armature"]], rel=0.1
+    )
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_friction_is_fed_forward_to_the_last_bit_of_the_way_and_taken_back_at_rest(sign):
+    joints = joint_rows(1)
+    for share in np.linspace(1.0, 0.0, 200):
+        turn_friction(DT, np.array([0.5 * sign * share**2]), joints)
+    assert sign * joints.direction[0] > 0.99
+    for _ in range(200):  # Still on its way.
+        turn_friction(DT, np.zeros(1), joints)
+    assert sign * joints.direction[0] > 0.99
+    joints.idle[:] = 1.0
+    for _ in range(round(RELIEF / DT) + 1):
+        turn_friction(DT, np.zeros(1), joints)
+    assert joints.direction[0] == 0.0
