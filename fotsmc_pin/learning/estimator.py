@@ -36,7 +36,7 @@ STILL = 0.03
 IDLE = 0.5
 """Share of the recent time at rest from which on a joint's row says nothing."""
 REPEATS = 2.0
-DRIFT = 1e-4
+DRIFT = 1e-3
 """Variance that a parameter gains in a second of motion, over that beforehand."""
 NOISE_RATE = 1.0
 """Rate at which the noise of a row is tracked [1/s]."""

@@ -11,7 +11,7 @@ from fotsmc_pin.learning import estimator, model_learning, parameters, trust
 
 PAGE = Path(__file__).parents[2] / "docs/learning.md"
 TEXT = " ".join(PAGE.read_text("utf-8").split())
-WORDS = {1.0: "a second", 2.0: "two", 4: "four", 1e-4: "a ten-thousandth", 9.0: "nine", 0.5: "half"}
+WORDS = {1.0: "a second", 2.0: "two", 4: "four", 1e-3: "a thousandth", 9.0: "nine", 0.5: "half"}
 TICK = 1e-3
 
 
