@@ -42,7 +42,13 @@ from .analysis import (
     margins as margins,
     summarize as summarize,
 )
-from .identification import Log as Log, read_log as read_log
+from .identification import (
+    Identification as Identification,
+    Log as Log,
+    identify as identify,
+    identify_payload as identify_payload,
+    read_log as read_log,
+)
 from .evaluation.studies import ClosedLoop as ClosedLoop, StudyResult as StudyResult, study as study
 from .evaluation.stress import stress as stress
 from .realtime import run_realtime as run_realtime

@@ -66,8 +66,8 @@ class LogError(FotsmcError, ValueError):
     """A robot's log cannot be read, or is not what it should be: what, where, and the remedy.
 
     Attributes:
-        kind: "motion" (too little), "columns" (missing, swapped), "degrees", "sign", "gravity" (from
-            another direction) or "gravity-free" (torque that leaves gravity to the robot); of files
+        kind: "motion" (too little), "columns" (missing, swapped), "degrees", "sign", "gravity"
+            (from another direction) or "gravity-free" (torque that leaves gravity to the robot); of files
             "file" (not a log), "units", "clock" or "torque" (what it means is unknown, or mixed).
     """
 

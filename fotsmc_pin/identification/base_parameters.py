@@ -2,8 +2,8 @@
 
 Torque depends on fewer numbers than the arm has: a first link that only turns about a vertical axis
 shows one moment of inertia and no mass. Base parameters are as many sums of parameters as torque
-depends on, found from random motions of the arm by an orthogonal factorisation of the regressor (Gautier,
-Journal of Robotic Systems, 1991).
+depends on, found from random motions of the arm by an orthogonal factorisation of the regressor
+(Gautier, Journal of Robotic Systems, 1991).
 """
 
 from __future__ import annotations
@@ -59,9 +59,7 @@ class Base:
 def base_of(arm: Arm, parameters: Parameters) -> Base:
     """Return the base parameters of an arm; gravity as the arm feels it."""
     n, rng = arm.nv, np.random.default_rng(0)
-    x = np.array(
-        [arm.to_joint_positions(arm.random_configuration(rng)) for _ in range(SAMPLES)]
-    )
+    x = np.array([arm.to_joint_positions(arm.random_configuration(rng)) for _ in range(SAMPLES)])
     v, a = 2.0 * rng.standard_normal((SAMPLES, n)), 5.0 * rng.standard_normal((SAMPLES, n))
     table = np.zeros((SAMPLES, n, parameters.size))
     table[:, :, : 10 * n] = body_columns(arm, x, v, a)
@@ -87,7 +85,8 @@ def base_of(arm: Arm, parameters: Parameters) -> Base:
 def _base(flat: Array, order: np.ndarray, names: list[str], units: list[str]) -> Base:
     scale = np.linalg.norm(flat, axis=0)
     silent = scale < NEGLIGIBLE * scale.max()
-    basis, chosen = np.zeros((len(flat), 0)), []
+    basis = np.zeros((len(flat), 0))
+    chosen: list[int] = []
     for column in order:
         if silent[column]:
             continue
@@ -104,13 +103,13 @@ def _base(flat: Array, order: np.ndarray, names: list[str], units: list[str]) ->
     matrix[:, silent] = 0.0
     described, together = [], []
     for row, first in zip(matrix, chosen, strict=True):
-        others = [k for k in np.flatnonzero(row) if k != first]
+        others = [int(k) for k in np.flatnonzero(row) if k != first]
         terms = [names[first], *(_term(row[k], names[k]) for k in others)]
         described.append(" ".join(terms))
         if others:
             together.append(tuple(names[k] for k in (first, *others)))
     return Base(
-        matrix=matrix,
+        matrix=np.asarray(matrix, dtype=np.float64),
         names=tuple(described),
         units=tuple(units[k] for k in chosen),
         without_effect=tuple(names[k] for k in np.flatnonzero(silent)),

@@ -2,10 +2,10 @@
 
 A body is possible when its pseudo-inertia, the second moments of its mass about the joint's origin
 with the first moments and the mass beside them (4, 4), has no eigenvalue below zero: that is a
-positive mass and the triangle inequality at once (Wensing, Kim, Slotine, IEEE Robotics and Automation
-Letters, 2018). It is linear in the ten parameters. So the fit, which is quadratic, becomes a convex
-program with one solution, whatever the start: `min ½ (θ - θ₀)ᵀ A (θ - θ₀)` with `θ₀` and `A` the
-linear fit and its precision. Armature and friction are not negative.
+positive mass and the triangle inequality at once (Wensing, Kim, Slotine, IEEE Robotics and
+Automation Letters, 2018). It is linear in the ten parameters. So the fit, which is quadratic,
+becomes a convex program with one solution, whatever the start: `min ½ (θ - θ₀)ᵀ A (θ - θ₀)` with
+`θ₀` and `A` the linear fit and its precision. Armature and friction are not negative.
 
 Log-Cholesky parameters, which make every number a possible body, were compared with it; the page
 "Identify your arm" has the figures.
@@ -22,6 +22,8 @@ from scipy.sparse import csc_array, triu
 from fotsmc_pin.errors import FotsmcError
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from fotsmc_pin.identification.fit import Fit
     from fotsmc_pin.identification.regressor import Parameters
     from fotsmc_pin.types import Array
@@ -47,33 +49,51 @@ def consistent(fit: Fit, parameters: Parameters, nominal: Array, sizes: Array) -
     Raises:
         FotsmcError: the solver gave up.
     """
-    import clarabel
-
     to_belief = np.linalg.inv(fit.factor)
-    precision = to_belief.T @ fit.precision @ to_belief
-    scale = 1.0 / np.sqrt(np.diag(precision))
-    quadratic = precision * np.outer(scale, scale)
-    linear = -scale * (precision @ fit.theta)
-    tables, sides, cones = [], [], []
-    for k, size in enumerate(sizes):
-        table = np.zeros((len(TRIANGLE), parameters.size))
-        table[:, parameters.body(k)] = -PSEUDO
-        mass = nominal[10 * k]
-        tables.append(table * scale)
-        sides.append(-triangle(least_matter(mass, size)))
-        cones.append(clarabel.PSDTriangleConeT(4))
     held = np.zeros(parameters.size, dtype=bool)
     for name in parameters.own:
         if name in NOT_NEGATIVE:
             held[parameters.groups[name]] = True
-    tables.append(-np.diag(scale)[held])
-    sides.append(np.zeros(np.count_nonzero(held)))
-    cones.append(clarabel.NonnegativeConeT(np.count_nonzero(held)))
+    least = [least_matter(nominal[10 * k], size) for k, size in enumerate(sizes)]
+    found = nearest(fit.theta, to_belief.T @ fit.precision @ to_belief, least, held)
+    for k in range(parameters.joints):
+        place = parameters.body(k)
+        found[place] = pulled_inside(found[place], nominal[place])
+    return found
+
+
+def nearest(wanted: Array, precision: Array, least: Sequence[Array], held: np.ndarray) -> Array:
+    """Return the possible parameters (p,) that are nearest to those wanted.
+
+    Args:
+        wanted: parameters (p,), ten of each body first.
+        precision: by which distance is measured (p, p).
+        least: of each body the pseudo-inertia (4, 4) that it has at the least.
+        held: which parameters are not negative (p,).
+
+    Raises:
+        FotsmcError: the solver gave up.
+    """
+    import clarabel
+
+    size = wanted.size
+    scale = 1.0 / np.sqrt(np.diag(precision))
+    tables, sides, cones = [], [], []
+    for k, matter in enumerate(least):
+        table = np.zeros((len(TRIANGLE), size))
+        table[:, 10 * k : 10 * k + 10] = -PSEUDO
+        tables.append(table * scale)
+        sides.append(-triangle(matter))
+        cones.append(clarabel.PSDTriangleConeT(4))
+    if held.any():
+        tables.append(-np.diag(scale)[held])
+        sides.append(np.zeros(np.count_nonzero(held)))
+        cones.append(clarabel.NonnegativeConeT(int(np.count_nonzero(held))))
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     solution = clarabel.DefaultSolver(
-        triu(csc_array(quadratic)).tocsc(),
-        linear,
+        triu(csc_array(precision * np.outer(scale, scale))).tocsc(),
+        -scale * (precision @ wanted),
         csc_array(np.vstack(tables)),
         np.concatenate(sides),
         cones,
@@ -83,20 +103,16 @@ def consistent(fit: Fit, parameters: Parameters, nominal: Array, sizes: Array) -
     if not np.all(np.isfinite(found)) or "Solved" not in str(solution.status):
         raise FotsmcError(f"no possible bodies found that explain the log ({solution.status})")
     # The solver's cones hold to its tolerance only.
-    own = slice(10 * parameters.joints, parameters.size)
-    found[own] = np.where(held[own], np.maximum(found[own], 0.0), found[own])
-    return _pulled_inside(found, parameters, nominal)
+    return np.where(held, np.maximum(found, 0.0), found)
 
 
-def _pulled_inside(theta: Array, parameters: Parameters, nominal: Array) -> Array:
-    """Return the parameters with impossible bodies moved towards the nominal ones until they are."""
-    theta = theta.copy()
-    for k in range(parameters.joints):
-        place, share = parameters.body(k), 1e-9
-        while not can_exist(theta[place]):
-            theta[place] += share * (nominal[place] - theta[place])
-            share *= 10.0
-    return theta
+def pulled_inside(body: Array, possible: Array) -> Array:
+    """Return the parameters (10,) of a body, moved towards a possible one until they are."""
+    body, share = body.copy(), 1e-9
+    while not can_exist(body):
+        body += min(share, 1.0) * (possible - body)
+        share *= 10.0
+    return body
 
 
 def least_matter(mass: float, size: float) -> Array:

@@ -1,44 +1,33 @@
 """What is wrong with a log: named before anything is fitted to it.
 
-Plain mistakes show in the numbers of one column: degrees in the place of radians, velocities that are
-not those of the positions, a joint that rests. The others show when the log is explained in several
-ways: as it stands, with one torque's sign turned, with two columns exchanged, with gravity elsewhere
-or left out. Each explanation is fitted to a few hundred samples, with the same trust in the nominal
-arm; where another one explains the log much better than as it stands, the log is refused by that name.
+Plain mistakes show in the numbers of one column: degrees in the place of radians, velocities that
+are not those of the positions, a joint that rests. The others show when the log is explained in
+several ways: as it stands, with one torque's sign turned, with two columns exchanged, with gravity
+elsewhere or left out. Each explanation is fitted to a few hundred samples, with the same trust in
+the nominal arm; where another one explains the log much better than as it stands, the log is
+refused by that name.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
-import pinocchio as pin
-from scipy.linalg import cho_factor, cho_solve
-from scipy.optimize import minimize
 
 from fotsmc_pin.errors import LogError
-from fotsmc_pin.identification.filtering import configurations
-from fotsmc_pin.identification.prior import nominal_belief
-from fotsmc_pin.identification.regressor import Parameters
+from fotsmc_pin.identification.explanations import Explanations, sample
 from fotsmc_pin.user_warnings import warn_user
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from fotsmc_pin.arms import Arm
-    from fotsmc_pin.identification.filtering import Piece
     from fotsmc_pin.identification.reading import ReadLog
     from fotsmc_pin.types import Array
 
-SAMPLES = 300
-"""Of a log, on which the explanations are compared."""
-TOLERANCE = 0.03
-"""Error of the torque that an explanation may leave, over the swing of the torque."""
-BETTER, AT_LEAST = 0.5, 0.15
-"""Misfit of another explanation over that of the log as it stands, and decrease per equation, from
-which on it is believed."""
+BETTER, AT_LEAST = 0.1, 25.0
+"""Decrease of the misfit, which is a χ², by which another explanation is believed: its share of the
+misfit of the log as it stands, and at the least."""
+SHARES = {"sign": 0.02, "gravity-free": 0.02}
+"""That share where a right log is explained far worse: a wrong sign, torque without gravity."""
 BEYOND = 3.0
 """Positions over the limits, from which on they are not radians."""
 TOO_FAST = 8.0
@@ -52,17 +41,6 @@ LEAST_TRAVEL = 0.02
 
 class LogWarning(UserWarning):
     """A log tells less than it could."""
-
-
-@dataclass(frozen=True, eq=False)
-class Sample:
-    """Some instants of a log (M, nv)."""
-
-    x: Array
-    v: Array
-    a: Array
-    tau: Array
-    noise: Array
 
 
 def demand_sense(arm: Arm, entry: ReadLog) -> None:
@@ -94,9 +72,9 @@ def _demand_units(arm: Arm, entry: ReadLog) -> None:
         low, high, speed = x[:, j].min(), x[:, j].max(), np.max(np.abs(v[:, j]))
         raise LogError(
             "degrees",
-            f"{entry.log.label}: positions look like degrees: {arm.joint_names[j]} goes from {low:.4g} "
-            f"to {high:.4g} at up to {speed:.4g} per second, far beyond the arm's limits in radians; "
-            "multiply the columns by π/180",
+            f"{entry.log.label}: positions look like degrees: {arm.joint_names[j]} goes from "
+            f"{low:.4g} to {high:.4g} at up to {speed:.4g} per second, far beyond the arm's limits "
+            "in radians; multiply the columns by π/180",
         )
 
 
@@ -108,8 +86,8 @@ def _demand_motion(arm: Arm, entry: ReadLog) -> None:
     if np.count_nonzero(idle) > 0.5 * arm.nv:
         raise LogError(
             "motion",
-            f"{entry.log.label}: too little motion: {names} moved by less than {LEAST_TRAVEL:g} rad "
-            "or m; move every joint, quickly and far: references.Excitation makes such a motion",
+            f"{entry.log.label}: too little motion: {names} moved by less than {LEAST_TRAVEL:g} "
+            "rad or m; move every joint, quickly and far, as references.Excitation does",
         )
     if np.any(idle):
         warn_user(
@@ -126,9 +104,7 @@ def _demand_velocities(arm: Arm, entry: ReadLog) -> None:
     ours = np.concatenate([piece.v for piece in entry.pieces])
     theirs = np.concatenate(
         [
-            np.column_stack(
-                [np.interp(piece.t, entry.log.t, column) for column in entry.log.v.T]
-            )
+            np.column_stack([np.interp(piece.t, entry.log.t, column) for column in entry.log.v.T])
             for piece in entry.pieces
         ]
     )
@@ -148,14 +124,14 @@ def _demand_velocities(arm: Arm, entry: ReadLog) -> None:
                 f"{where} is that of the position of {arm.joint_names[k]}: columns are swapped; "
                 "name them in their order",
             )
-        for factor, words in (
+        for factor, meaning in (
             (1.0 / DEGREE, "is in degrees per second while its position is in radians"),
             (DEGREE, "is in radians per second while its position is in degrees"),
             (-1.0, "has the opposite sign of its position's"),
         ):
             if likeness[j] * np.sign(factor) > 0.95 and abs(slopes[j] / factor - 1.0) < 0.2:
                 kind = "sign" if factor < 0.0 else "degrees"
-                raise LogError(kind, f"{where} {words}; bring both to rad and rad/s")
+                raise LogError(kind, f"{where} {meaning}; bring both to rad and rad/s")
         raise LogError(
             "columns",
             f"{where} is not the derivative of its position (slope {slopes[j]:.3g}, correlation "
@@ -164,191 +140,25 @@ def _demand_velocities(arm: Arm, entry: ReadLog) -> None:
 
 
 def _likeness(a: Array, b: Array) -> float:
-    return float(a @ b / max(np.sqrt((a @ a) * (b @ b)), 1e-300))
+    return float(a @ b / max(float(np.sqrt((a @ a) * (b @ b))), 1e-300))
 
 
 def _demand_best_explanation(arm: Arm, entry: ReadLog) -> None:
     """Refuse a log that another reading explains much better."""
-    explain = _Explanations(arm, _sample(entry.pieces))
-    as_is = explain.as_is()
-    best, kind, words = as_is, "", ""
-    for misfit, name, sentence in explain.others():
-        if misfit < best:
-            best, kind, words = misfit, name, sentence
-    if best < BETTER * as_is and as_is - best > AT_LEAST * explain.rows:
+    explain = Explanations(arm, sample(entry.pieces))
+    as_is, others = explain.as_is(), list(explain.others())
+    believed = [
+        reading
+        for reading in others
+        if as_is - reading[0] > max(SHARES.get(reading[1], BETTER) * as_is, AT_LEAST)
+    ]
+    if believed:
+        # Of readings that are nearly as good the first, which is the plainest.
+        best = min(reading[0] for reading in believed)
+        near = best + 0.1 * (as_is - best)
+        best, kind, words = next(reading for reading in believed if reading[0] <= near)
         raise LogError(
             kind,
             f"{entry.log.label}: {words} (explained so, the torque's misfit is "
             f"{best / explain.rows:.2g} per equation, as it stands {as_is / explain.rows:.2g})",
         )
-
-
-def _sample(pieces: tuple[Piece, ...]) -> Sample:
-    """Return evenly spread samples of a log."""
-    total = sum(len(piece.t) for piece in pieces)
-    rows = [np.arange(0, len(piece.t), max(1, total // SAMPLES)) for piece in pieces]
-
-    def taken(name: str) -> Array:
-        return np.concatenate(
-            [getattr(piece, name)[row] for piece, row in zip(pieces, rows, strict=True)]
-        )
-
-    noise = np.sqrt(np.mean(np.concatenate([p.raw_tau - p.tau for p in pieces]) ** 2, axis=0))
-    return Sample(x=taken("x"), v=taken("v"), a=taken("a"), tau=taken("tau"), noise=noise)
-
-
-class _Explanations:
-    """Ways to read a log, each with the misfit of the best arm near the nominal one."""
-
-    def __init__(self, arm: Arm, sample: Sample) -> None:
-        self.arm, self.sample, self.n = arm, sample, arm.nv
-        self.parameters = Parameters(arm.nv)
-        belief = nominal_belief(arm, self.parameters)
-        self.mean, self.factor = belief.mean, np.linalg.cholesky(belief.covariance)
-        swing = np.std(sample.tau, axis=0)
-        self.noise = np.hypot(sample.noise, TOLERANCE * np.maximum(swing, 0.05 * swing.max()))
-        self.rows = sample.tau.size
-        self.down = np.array(arm.model.gravity.linear)
-        self.still = self.table(np.zeros(3), sample.x, sample.v, sample.a)
-        self.by_axis = [self.table(axis, sample.x, 0.0 * sample.v, 0.0 * sample.a) for axis in
-                        np.eye(3)]
-        self.columns = own_columns_of(sample)
-
-    def as_is(self) -> float:
-        """Return the misfit of the log as it stands."""
-        self.plain = _Solver(self, self.whole(self.down))
-        return self.plain.misfit(self.sample.tau)
-
-    def others(self) -> Iterator[tuple[float, str, str]]:
-        """Yield the misfit of each other reading, its kind and its name in words."""
-        tau, names = self.sample.tau, self.arm.joint_names
-        yield (
-            self.plain.misfit(-tau),
-            "sign",
-            "the torque of all joints has the wrong sign; it should be what the motors do to the "
-            "arm: turn the sign of its columns",
-        )
-        for j, name in enumerate(names):
-            turned = tau.copy()
-            turned[:, j] *= -1.0
-            yield (
-                self.plain.misfit(turned),
-                "sign",
-                f"the torque of {name} has the wrong sign; turn the sign of its column",
-            )
-        yield from self.of_gravity()
-        for j, k in combinations(range(self.n), 2):
-            swap = np.arange(self.n)
-            swap[[j, k]] = k, j
-            both = f"{names[j]} and {names[k]}"
-            yield (
-                self.plain.misfit(tau[:, swap]),
-                "columns",
-                f"the torque columns of {both} are swapped",
-            )
-            moved = _Solver(self, self.reordered(swap))
-            yield (
-                moved.misfit(tau),
-                "columns",
-                f"the position columns of {both} are swapped, or their torque columns",
-            )
-            yield moved.misfit(tau[:, swap]), "columns", f"the columns of {both} are swapped"
-
-    def of_gravity(self) -> Iterator[tuple[float, str, str]]:
-        """Yield the readings without gravity, and with gravity from elsewhere."""
-        size = float(np.linalg.norm(self.down))
-        if size == 0.0:
-            return
-        free = (
-            "the torque seems to be without gravity, which many robots add themselves; say so with "
-            'compensates=("gravity",), or record the total torque'
-        )
-        added = np.array([self.arm.gravity(q) for q in configurations(self.arm, self.sample.x)])
-        yield self.plain.misfit(self.sample.tau + added), "gravity-free", free
-        # A robot that knows its own weight well leaves nothing of it.
-        yield _Solver(self, self.whole(np.zeros(3))).misfit(self.sample.tau), "gravity-free", free
-        steps = [np.array(step, dtype=float) for step in np.ndindex(3, 3, 3) if step != (1, 1, 1)]
-        units = [(step - 1.0) / np.linalg.norm(step - 1.0) for step in steps]
-        misfits = [self.with_gravity(size * unit) for unit in units]
-        best = units[int(np.argmin(misfits))]
-        if np.allclose(size * best, self.down):
-            return
-        found = minimize(
-            lambda way: self.with_gravity(size * way / np.linalg.norm(way)),
-            best,
-            method="Nelder-Mead",
-            options={"maxfev": 60, "xatol": 1e-3, "fatol": 1.0},
-        )
-        way = size * found.x / np.linalg.norm(found.x)
-        turn = self.to_base(way)
-        yield (
-            float(found.fun),
-            "gravity",
-            f"gravity comes from another direction than the arm's file has it: about "
-            f"({turn[0]:.1f}, {turn[1]:.1f}, {turn[2]:.1f}) m/s² in the frame of the base; give "
-            "load_arm(..., gravity=...) how the arm is mounted",
-        )
-
-    def with_gravity(self, gravity: Array) -> float:
-        """Return the misfit of the log with gravity from elsewhere."""
-        return _Solver(self, self.whole(gravity)).misfit(self.sample.tau)
-
-    def to_base(self, gravity: Array) -> Array:
-        """Return gravity in the frame of the base, which the file may have turned already."""
-        from fotsmc_pin.arms.mounting import rotation_to_down
-
-        return np.asarray(rotation_to_down(self.arm.base_gravity).T @ gravity)
-
-    def whole(self, gravity: Array) -> Array:
-        """Return the regressor (nv, M, p) with any gravity: it is linear in it."""
-        bodies = self.still + sum(
-            part * table for part, table in zip(gravity, self.by_axis, strict=True)
-        )
-        return self.complete(bodies, self.columns)
-
-    def complete(self, bodies: Array, own: dict[str, Array]) -> Array:
-        """Return the regressor (nv, M, p) of bodies' columns (M, nv, 10 nv) and joints' own."""
-        table = np.zeros((self.n, len(bodies), self.parameters.size))
-        table[:, :, : 10 * self.n] = bodies.transpose(1, 0, 2)
-        for name in self.parameters.own:
-            for j in range(self.n):
-                table[j, :, self.parameters.groups[name].start + j] = own[name][:, j]
-        return table
-
-    def reordered(self, swap: np.ndarray) -> Array:
-        """Return the regressor with the positions of two joints exchanged."""
-        s = self.sample
-        bodies = self.table(self.down, s.x[:, swap], s.v[:, swap], s.a[:, swap])
-        return self.complete(bodies, {name: x[:, swap] for name, x in self.columns.items()})
-
-    def table(self, gravity: Array, x: Array, v: Array, a: Array) -> Array:
-        """Return the bodies' columns (M, nv, 10 nv) under some gravity."""
-        model = pin.Model(self.arm.model)
-        model.gravity.linear = np.array(gravity)
-        data = model.createData()
-        found = np.empty((len(x), self.n, 10 * self.n))
-        for row, (q, speed, gain) in enumerate(zip(configurations(self.arm, x), v, a, strict=True)):
-            found[row] = pin.computeJointTorqueRegressor(model, data, q, speed, gain)
-        return found
-
-
-class _Solver:
-    """The fit of any torque to one regressor, with its misfit."""
-
-    def __init__(self, of: _Explanations, table: Array) -> None:
-        scaled = table / of.noise[:, None, None]
-        self.rows = (scaled @ of.factor).reshape(-1, of.mean.size)
-        self.mean = (scaled @ of.mean).ravel()
-        self.noise = of.noise
-        self.factored = cho_factor(np.eye(of.mean.size) + self.rows.T @ self.rows)
-
-    def misfit(self, tau: Array) -> float:
-        """Return what the best arm leaves of the torque, and how far it is from the nominal one."""
-        wanted = (tau / self.noise).T.ravel() - self.mean
-        right = self.rows.T @ wanted
-        return float(wanted @ wanted - right @ cho_solve(self.factored, right))
-
-
-def own_columns_of(sample: Sample) -> dict[str, Array]:
-    """Return the columns of each joint's own parameters (M, nv)."""
-    return {"armature": sample.a, "damping": sample.v, "friction": np.sign(sample.v)}

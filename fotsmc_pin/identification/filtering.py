@@ -9,6 +9,7 @@ so that what the average takes away it takes away on both sides.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -102,7 +103,7 @@ def unbroken(t: Array) -> list[slice]:
     """Return the stretches of rows between gaps, those that are long enough."""
     dt = period_of(t)
     ends = [0, *(np.flatnonzero(np.diff(t) > BREAK * dt) + 1).tolist(), len(t)]
-    stretches = [slice(a, b) for a, b in zip(ends[:-1], ends[1:], strict=True)]
+    stretches = [slice(a, b) for a, b in pairwise(ends)]
     least = max(SHORTEST, (4 * LEAST_WINDOW + 2) * dt)
     return [part for part in stretches if t[part.stop - 1] - t[part.start] >= least]
 

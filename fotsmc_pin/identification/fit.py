@@ -63,7 +63,7 @@ def fit(systems: Sequence[Equations], belief: Belief) -> Fit:
     for turn in range(ROUNDS):
         theta, inverse = problem.solve(shifts, noise)
         shifts = [
-            later(system, shift, theta, noise, search=turn == 0)
+            later(system, shift, system.table @ theta, noise, search=turn == 0)
             for system, shift in zip(systems, shifts, strict=True)
         ]
         theta, inverse = problem.solve(shifts, noise)
@@ -72,7 +72,7 @@ def fit(systems: Sequence[Equations], belief: Belief) -> Fit:
     return Fit(
         theta=theta,
         factor=problem.factor,
-        precision=np.linalg.inv(inverse),
+        precision=np.asarray(np.linalg.inv(inverse), dtype=np.float64),
         covariance=problem.covariance(shifts, theta, inverse, noise),
         noise=noise,
         shifts=tuple(shifts),
@@ -85,10 +85,17 @@ def residuals(system: Equations, shift: float, theta: Array) -> Array:
 
 
 def later(
-    system: Equations, now: float, theta: Array, noise: Array, *, search: bool = False
+    system: Equations, now: float, predicted: Array, noise: Array, *, search: bool = False
 ) -> float:
-    """Return the time by which the torque of a piece is later than its motion [s]."""
-    predicted = system.table @ theta
+    """Return the time by which the torque of a piece is later than its motion [s].
+
+    Args:
+        system: the piece; its table is not used.
+        now: what the time is held for.
+        predicted: averaged torque of the model (nv, N).
+        noise: of each joint's averaged torque (nv,).
+        search: look far and wide first.
+    """
 
     def misfit(shift: float) -> float:
         difference = np.where(system.used, system.torque(shift) - predicted, 0.0)
@@ -108,10 +115,12 @@ class _Problem:
 
     def __init__(self, systems: Sequence[Equations], belief: Belief) -> None:
         self.systems, self.mean = systems, belief.mean
-        self.factor = np.linalg.cholesky(belief.covariance)
+        self.factor: Array = np.asarray(np.linalg.cholesky(belief.covariance), dtype=np.float64)
         # Rows that are not used are zero, in the table and in the torque.
         self.rows = [system.table @ self.factor * system.used[:, :, None] for system in systems]
-        self.normal = sum(np.einsum("jkp,jkq->jpq", rows, rows, optimize=True) for rows in self.rows)
+        self.normal = sum(
+            np.einsum("jkp,jkq->jpq", rows, rows, optimize=True) for rows in self.rows
+        )
         self.count = sum(np.count_nonzero(system.used, axis=1) for system in systems)
 
     def swing(self) -> Array:
@@ -129,9 +138,7 @@ class _Problem:
         z = cho_solve(factored, right)
         return self.mean + self.factor @ z, cho_solve(factored, np.eye(z.size))
 
-    def noise(
-        self, shifts: Sequence[float], theta: Array, inverse: Array, noise: Array
-    ) -> Array:
+    def noise(self, shifts: Sequence[float], theta: Array, inverse: Array, noise: Array) -> Array:
         """Return the standard deviation of each joint's residual (nv,), parameters counted off."""
         squares = sum(
             np.sum(residuals(system, shift, theta) ** 2, axis=1)

@@ -43,12 +43,13 @@ def identify(
 ) -> Identification:
     """Return the arm that explains the torque of one or several logs.
 
-    The equation of motion is linear in masses, first moments, inertias, armature, viscous and Coulomb
-    friction: `τ = X(q, v, a) θ`. Positions are smoothed and differentiated without delay; torque and
-    `X` are averaged alike over some hundredths of a second; each joint's equations are weighted by
-    the noise of its residual, and the time between the stamps of torque and motion is found with
-    them. Among all `θ` whose bodies can exist (positive mass, triangle inequality) the most likely is
-    taken, given the log and the nominal arm: what the motion does not tell stays as the file has it.
+    The equation of motion is linear in masses, first moments, inertias, armature, viscous and
+    Coulomb friction: `τ = X(q, v, a) θ`. Positions are smoothed and differentiated without delay;
+    torque and `X` are averaged alike over some hundredths of a second; each joint's equations are
+    weighted by the noise of its residual, and the time between the stamps of torque and motion is
+    found with them. Among all `θ` whose bodies can exist (positive mass, triangle inequality) the
+    most likely is taken, given the log and the nominal arm: what the motion does not tell stays as
+    the file has it.
 
     Args:
         logs: a recording, a `Log`, anything with its attributes, or a list of these. Positions and
@@ -78,7 +79,7 @@ def identify(
     parameters = Parameters(arm.nv, offset=offset, stribeck=stribeck)
     with reporting(progress, f"Identifying {arm.name}") as report:
         read = read_logs(arm, logs)
-        held_out = read_logs(arm, validate, "validate") if _any(validate) else []
+        held_out = read_logs(arm, validate, "validate") if any_logs(validate) else []
         for entry in (*read, *held_out):
             demand_sense(arm, entry)
         report(0.2)
@@ -101,14 +102,14 @@ def identify(
             changes=[f"masses, inertias, armature and friction identified from {labels}"],
             stribeck_velocity=speed,
         )
+        constant = theta[parameters.groups["offset"]] if offset else np.zeros(arm.nv)
         shift = dict(zip((id(piece) for piece in pieces), linear.shifts, strict=True))
         checked = [
-            torque_check(arm, identified, entry, theta, parameters, width, speed, shift)
+            torque_check(arm, identified, entry, constant, width, shift)
             for entry in (*read, *held_out)
         ]
         report(1.0)
     rows = base_rows(base, belief, theta, linear.covariance)
-    zeros = np.zeros(arm.nv)
     return Identification(
         arm=identified,
         nominal=arm,
@@ -118,12 +119,13 @@ def identify(
         fits=tuple(checked[: len(read)]),
         validation=tuple(checked[len(read) :]),
         noise=linear.noise,
-        offset=theta[parameters.groups["offset"]] if offset else zeros,
+        offset=constant,
         notes=tuple(note for entry in (*read, *held_out) for note in entry.notes),
         theta=theta,
         covariance=linear.covariance,
     )
 
 
-def _any(logs: Any) -> bool:
+def any_logs(logs: Any) -> bool:
+    """Return whether any log was given."""
     return not (isinstance(logs, (list, tuple)) and not logs) and logs is not None

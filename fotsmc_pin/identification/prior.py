@@ -107,7 +107,7 @@ def body_sizes(arm: Arm) -> Array:
     tool = model.frames[arm.tool_frame_id]
     away = float(np.linalg.norm(tool.placement.translation))
     sizes[tool.parentJoint - 1] = max(sizes[tool.parentJoint - 1], away)
-    return np.maximum(sizes, SMALLEST)
+    return np.asarray(np.maximum(sizes, SMALLEST), dtype=np.float64)
 
 
 def made_sound(inertia: pin.Inertia, size: float) -> pin.Inertia:
@@ -134,9 +134,7 @@ def body_modes(inertia: pin.Inertia, size: float) -> Array:
     """Return the independent changes that a body is believed to have, as columns (10, 10)."""
     density = DENSITY * np.array(inertia.toDynamicParameters())
     step = CENTRE * size
-    shifts = [
-        0.5 * step * (_moved(inertia, axis) - _moved(inertia, -axis)) for axis in np.eye(3)
-    ]
+    shifts = [0.5 * step * (_moved(inertia, axis) - _moved(inertia, -axis)) for axis in np.eye(3)]
     trace = float(np.trace(inertia.inertia))
     plausible = max(trace, 2.0 * inertia.mass * (GYRATION * size) ** 2)
     return np.column_stack([density, *shifts, *_rotational(ROTATIONAL / 3.0 * plausible)])

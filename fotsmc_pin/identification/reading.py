@@ -49,8 +49,9 @@ def read_logs(arm: Arm, logs: object, argument: str = "logs") -> list[ReadLog]:
     given: Sequence[Any] = logs if isinstance(logs, (list, tuple)) else [logs]
     if not given:
         raise ArgumentError(argument, logs, "give at least one log or recording")
-    found = [in_order_of(arm, as_log(entry, f"log {k + 1}"), argument) for k, entry in
-             enumerate(given)]
+    found = [
+        in_order_of(arm, as_log(entry, f"log {k + 1}"), argument) for k, entry in enumerate(given)
+    ]
     kinds = {(log.torque, frozenset(log.compensates)) for log in found}
     if len(kinds) > 1:
         words = "; ".join(f"{log.label}: {_left_out(log)}" for log in found)

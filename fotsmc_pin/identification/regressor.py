@@ -84,7 +84,7 @@ class Equations:
     used: np.ndarray
 
     def torque(self, shift: float = 0.0) -> Array:
-        """Return the averaged torque (nv, N) that was recorded `shift` [s] later than the motion."""
+        """Return the averaged torque (nv, N) that was recorded `shift` [s] after the motion."""
         matrix = averaging(self.times + shift, self.piece.t, self.width)
         return np.asarray((matrix @ self.piece.tau).T)
 
@@ -153,7 +153,8 @@ def at_rest(piece: Piece) -> np.ndarray:
     it runs through the speeds that the joint has within a window before and after.
     """
     passing = half_window(piece.dt) * piece.dt * np.sqrt(np.mean(piece.a**2, axis=0))
-    return np.abs(piece.v) < STILL + 5.0 * velocity_noise(piece) + PASSING * passing
+    least = STILL + 5.0 * velocity_noise(piece) + PASSING * passing
+    return np.asarray(np.abs(piece.v) < least)
 
 
 def velocity_noise(piece: Piece) -> Array:

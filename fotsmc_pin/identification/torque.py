@@ -16,7 +16,13 @@ from fotsmc_pin.identification.filtering import (
     half_window,
 )
 from fotsmc_pin.identification.fit import later
-from fotsmc_pin.identification.regressor import SLACK, at_rest, equations, own_columns
+from fotsmc_pin.identification.regressor import (
+    MOSTLY_STILL,
+    SLACK,
+    Equations,
+    at_rest,
+    own_columns,
+)
 from fotsmc_pin.identification.result import TorqueCheck
 
 if TYPE_CHECKING:
@@ -25,18 +31,18 @@ if TYPE_CHECKING:
     from fotsmc_pin.arms import Arm
     from fotsmc_pin.identification.filtering import Piece
     from fotsmc_pin.identification.reading import ReadLog
-    from fotsmc_pin.identification.regressor import Parameters
     from fotsmc_pin.types import Array
+
+NO_TABLE = np.zeros((0, 0, 0))
+"""Where only the torque of a piece is asked for."""
 
 
 def torque_check(
     nominal: Arm,
     identified: Arm,
     entry: ReadLog,
-    theta: Array,
-    parameters: Parameters,
+    offset: Array,
     width: float,
-    speed: float,
     shifts: Mapping[int, float],
 ) -> TorqueCheck:
     """Return measured against predicted torque of one log.
@@ -45,35 +51,30 @@ def torque_check(
         nominal: the arm before.
         identified: the arm after.
         entry: the log.
-        theta: parameters (p,), of which only the offset is not in the arm.
-        parameters: their order.
+        offset: constant torque that is not in the arm (nv,) [N·m, N].
         width: of the averages [s].
-        speed: of Stribeck's curve [rad/s, m/s].
         shifts: time by which torque is late, by identity of the piece; found where it is missing.
     """
-    offset = theta[parameters.groups["offset"]] if "offset" in parameters.groups else 0.0
-    columns: list[tuple[Array, ...]] = []
-    errors: list[tuple[Array, Array, Array]] = []
+    tables: list[tuple[Array, ...]] = []
+    errors: list[tuple[Array, ...]] = []
     delays = []
     for piece in entry.pieces:
-        system = equations(nominal, piece, parameters, width, speed)
+        at = averaging_times(piece, width, SLACK)
+        matrix, resting = averaging(at, piece.t, width), at_rest(piece)
+        used = matrix @ resting.astype(float) < MOSTLY_STILL
+        ours, before = model_torque(identified, piece) + offset, model_torque(nominal, piece)
+        system = Equations(piece=piece, width=width, times=at, table=NO_TABLE, used=used.T)
+        predicted, noise = matrix @ ours, noise_of(piece)
         shift = shifts.get(id(piece))
         if shift is None:
-            noise = np.maximum(rms_of(noise_of(piece)), 1e-9)
-            shift = later(system, 0.0, theta, noise, search=True)
+            shift = later(system, 0.0, predicted.T, np.maximum(rms_of(noise), 1e-9), search=True)
         delays.append(shift)
-        ours = model_torque(identified, piece) + offset
-        before = model_torque(nominal, piece)
-        at = averaging_times(piece, width, SLACK)
-        matrix = averaging(at, piece.t, width)
-        moved = averaging(at + shift, piece.t, width)
-        columns.append((at, moved @ piece.tau, matrix @ ours, matrix @ before, system.used.T))
+        tables.append((at, system.torque(shift).T, predicted, matrix @ before, used))
         measured = late_torque(piece, shift)
-        moving = ~at_rest(piece)
-        parts = (measured - ours, measured - before, noise_of(piece))
-        errors.append(tuple(np.where(moving, part, np.nan) for part in parts))
+        parts = (measured - ours, measured - before, noise)
+        errors.append(tuple(np.where(resting, np.nan, part) for part in parts))
     at, measured, predicted, by_nominal, used = (
-        np.concatenate(parts) for parts in zip(*columns, strict=True)
+        np.concatenate(parts) for parts in zip(*tables, strict=True)
     )
     error, nominal_error, floor = (
         rms_of(np.concatenate(parts)) for parts in zip(*errors, strict=True)

@@ -78,7 +78,10 @@ def swings(arm, seed, duration=30.0, share=0.5, harmonics=5):
             arm, motion, duration=duration, samples=300, effort_share=max(share, 0.6)
         ):
             break
-        amplitude, center = 0.8 * amplitude, 0.8 * center + 0.2 * arm.to_joint_positions(arm.neutral)
+        amplitude, center = (
+            0.8 * amplitude,
+            0.8 * center + 0.2 * arm.to_joint_positions(arm.neutral),
+        )
     return motion
 
 
@@ -127,3 +130,18 @@ def measured(rec, seed, noise=TORQUE_NOISE, bits=BITS):
     return Log(
         t=rec.t, q=np.array(q), v=np.array(v), tau=tau, joint_names=arm.joint_names, source="test"
     )
+
+
+def calculated(true, motion, seed=0, duration=30.0, noise=TORQUE_NOISE, bits=BITS, dt=2e-3):
+    """Return the log of an arm that follows a motion exactly: inverse dynamics, and friction."""
+    rng = np.random.default_rng([seed, 11])
+    t = np.arange(0.0, duration, dt)
+    q, v, a = motion.at(t)
+    tau = np.array([true.inverse_dynamics(*row) for row in zip(q, v, a, strict=True)])
+    tau += true.damping * v + true.friction * np.sign(v)
+    tau += noise * drive_size(true) * rng.standard_normal(tau.shape)
+    step = 2 * np.pi / 2**bits
+    x = step * np.round(np.array([true.to_joint_positions(row) for row in q]) / step)
+    read = np.array([true.from_joint_positions(row) for row in x])
+    speed = np.gradient(np.unwrap(x, axis=0), dt, axis=0)
+    return Log(t=t, q=read, v=speed, tau=tau, joint_names=true.joint_names, source="calculated")
