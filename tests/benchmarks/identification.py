@@ -50,11 +50,11 @@ def theta_of(arm):
     return np.concatenate([*bodies, arm.armature, arm.damping, arm.friction])
 
 
-def excited(name, true, seed):
+def excited(name, true, seed, law=None):
     """Return the log of 30 s of excitation in closed loop."""
     nominal = fp.load_arm(name)
     motion = fp.references.Excitation(nominal, seed=seed)
-    return hidden.measured(hidden.run(name, true, motion, motion.duration), seed)
+    return hidden.measured(hidden.run(name, true, motion, motion.duration, law), seed)
 
 
 def plants(names):
@@ -124,7 +124,7 @@ def stress(names, laws=None):
     for name in names:
         arm = fp.load_arm(name)
         scenario = case.scenario_of(arm)
-        log = excited(name, scenario.true, 0)
+        log = excited(name, scenario.true, 0, fp.RobustFONFTSM(scenario.arm, hidden.DT))
         result = fp.identify([log], scenario.arm)
         known = replace(scenario, arm=result.arm)
         for label, make in makers.items():
