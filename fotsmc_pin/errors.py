@@ -68,7 +68,8 @@ class LogError(FotsmcError, ValueError):
     Attributes:
         kind: "motion" (too little), "columns" (missing, swapped), "degrees", "sign", "gravity"
             (from another direction) or "gravity-free" (torque that leaves gravity to the robot); of
-            files "file" (not a log), "units", "clock" or "torque" (what it means is unknown, or mixed).
+            files "file" (not a log), "units", "clock" or "torque" (what it means is unknown, or
+            mixed).
     """
 
     def __init__(self, kind: str, message: str) -> None:

@@ -16,6 +16,7 @@ from fotsmc_pin.control.differentiator import ExactDifferentiator, FilteredDiffe
 from fotsmc_pin.control.fonftsm import FONFTSM
 from fotsmc_pin.control.fractional_switching_smc import FractionalSwitchingSMC
 from fotsmc_pin.control.friction_compensation import FrictionCompensation
+from fotsmc_pin.control.friction_terms import FrictionTerms
 from fotsmc_pin.control.linear_smc import LinearSMC
 from fotsmc_pin.control.nonsingular_tsm import NonsingularTSM
 from fotsmc_pin.control.robust_fonftsm import RobustFONFTSM
@@ -53,6 +54,7 @@ __all__ = [
     "FilteredDifferentiator",
     "FractionalSwitchingSMC",
     "FrictionCompensation",
+    "FrictionTerms",
     "GravityWarning",
     "LinearSMC",
     "NonsingularTSM",

@@ -35,6 +35,8 @@ TOO_FAST = 8.0
 DEGREE = np.pi / 180.0
 UNLIKE = 0.3
 """Part of a velocity column that the positions may leave unexplained."""
+NOISY = 0.6
+"""Correlation of a velocity with that of its positions which noise alone may leave."""
 LEAST_TRAVEL = 0.02
 """Travel of a joint below which it tells nothing [rad, m]."""
 
@@ -116,6 +118,8 @@ def _demand_velocities(arm: Arm, entry: ReadLog) -> None:
         if np.sqrt(np.mean(left**2)) < UNLIKE * swing[j]:
             continue
         likeness = [_likeness(theirs[:, j], ours[:, k]) for k in range(arm.nv)]
+        if likeness[j] > NOISY and abs(slopes[j] - 1.0) < UNLIKE:
+            continue
         k = int(np.argmax(np.abs(likeness)))
         where = f"{entry.log.label}: the velocity of {name}"
         if abs(likeness[k]) > 0.95 and k != j:

@@ -87,8 +87,8 @@ def identify_payload(
     """Return mass, centre of mass and inertia of what the tool holds.
 
     The arm counts as known: its links to half a per cent of their masses, or as an identification
-    left them. What rubs and turns with the motors is not: friction is fitted beside the payload, and so are
-    rotors where the arm has none. All three are left out of the result; only the payload is in it.
+    left them. What rubs and turns with the motors is not: friction and rotors are fitted beside the
+    payload, and left out of the result.
 
     An error of the arm's own masses goes into the payload. Where the arm's file is not trusted,
     give logs of the empty arm too (`empty`), or an `Identification` of it.

@@ -25,6 +25,10 @@ if TYPE_CHECKING:
     from fotsmc_pin.arms import Arm
 
 
+NAMES = {"logs": "log", "validate": "validation log"}
+"""What a log is called that has no name, by the argument that it was given as."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ReadLog:
     """A log whose columns are the arm's.
@@ -49,8 +53,10 @@ def read_logs(arm: Arm, logs: object, argument: str = "logs") -> list[ReadLog]:
     given: Sequence[Any] = logs if isinstance(logs, (list, tuple)) else [logs]
     if not given:
         raise ArgumentError(argument, logs, "give at least one log or recording")
+    names = [f"{NAMES[argument]} {k}" for k in range(1, len(given) + 1)]
     found = [
-        in_order_of(arm, as_log(entry, f"log {k + 1}"), argument) for k, entry in enumerate(given)
+        in_order_of(arm, as_log(entry, name), argument)
+        for entry, name in zip(given, names, strict=True)
     ]
     kinds = {(log.torque, frozenset(log.compensates)) for log in found}
     if len(kinds) > 1:

@@ -1,12 +1,11 @@
-"""`python -m tests.benchmarks.identification WHAT [ARM...]`: what identification is worth, in tables.
+"""`python -m tests.benchmarks.identification WHAT [ARM...]`: what identification is worth.
 
 WHAT is one of
 
 - `plants`: hidden plants, run by the robust law on encoders of 20 bits, torque with noise: error of
   the torque on another motion, base parameters within three standard deviations, time;
 - `stress`: the stress suite with the nominal arm as its file says, and as it was identified;
-- `solvers`: the semidefinite program beside log-Cholesky parameters, on the same logs;
-- `figaroh LOG`: writes logs for figaroh, and reads what `figaroh_peer.py` made of them.
+- `solvers`: the semidefinite program beside log-Cholesky parameters, on the same logs.
 
 Tables go into docs/identify.md.
 """
@@ -23,11 +22,10 @@ from scipy.optimize import least_squares
 
 import fotsmc_pin as fp
 from fotsmc_pin.arms.drive_size import drive_size
-from fotsmc_pin.control import CONTROLLERS, FrictionCompensation
+from fotsmc_pin.control import CONTROLLERS, FrictionTerms
 from fotsmc_pin.evaluation.stress.cases import chosen_cases
 from fotsmc_pin.evaluation.stress.judging import run_row
 from fotsmc_pin.evaluation.stress.suite import law_maker
-from fotsmc_pin.files import markdown_table
 from fotsmc_pin.identification import consistent as sdp
 from fotsmc_pin.identification.base_parameters import base_of
 from fotsmc_pin.identification.filtering import chosen_width, joint_positions, smoothed
@@ -38,7 +36,13 @@ from tests.identification import hidden
 
 SEEDS = (0, 1)
 CASE = "sine raw"
-FRICTION_WIDTH = 2e-3
+FED = ", friction fed forward"
+
+
+def show(*cells):
+    """Print a row of a table as soon as it is known."""
+    sys.stdout.write("| " + " | ".join(cells) + " |\n")
+    sys.stdout.flush()
 
 
 def theta_of(arm):
@@ -46,15 +50,25 @@ def theta_of(arm):
     return np.concatenate([*bodies, arm.armature, arm.damping, arm.friction])
 
 
-def excited(name, true, seed):
+def excited(name, true, seed, law=None):
     """Return the log of 30 s of excitation in closed loop."""
     nominal = fp.load_arm(name)
     motion = fp.references.Excitation(nominal, seed=seed)
-    return hidden.measured(hidden.run(name, true, motion, motion.duration), seed)
+    return hidden.measured(hidden.run(name, true, motion, motion.duration, law), seed)
 
 
 def plants(names):
-    print("arm, seed, torque error / noise, averaged, nominal averaged, base in 3 sigma, exist, time")
+    show(
+        "arm",
+        "seed",
+        "torque error / noise",
+        "averaged",
+        "nominal averaged",
+        "base parameters in 3 σ",
+        "RMS of error / σ",
+        "possible",
+        "time (processor) [s]",
+    )
     for name in names:
         nominal = fp.load_arm(name)
         for seed in SEEDS:
@@ -89,43 +103,53 @@ def plants(names):
                 "yes" if possible else "no",
                 f"{took:.1f} ({worked:.1f})",
             )
-            print("| " + " | ".join(cells) + " |", flush=True)
+            show(*cells)
 
 
-class WithFriction(fp.RobustFONFTSM):
-    """The robust law, with the arm's own friction fed forward at the desired speed."""
+def with_friction(make):
+    """Return a maker of the same law, with the arm's own friction fed forward."""
 
-    def update(self, q, v, q_d, v_d, a_d, dt=None):
-        """Return the law's torque and that of friction, inside the limits."""
-        tau = super().update(q, v, q_d, v_d, a_d, dt)
-        more = FrictionCompensation(self.arm, width=FRICTION_WIDTH).torque(v_d)
-        return np.clip(tau + more, -self.arm.effort_limit, self.arm.effort_limit)
+    def made(arm, dt):
+        law = make(arm, dt)
+        law.use_terms(FrictionTerms(arm))
+        return law
+
+    return made
 
 
 def stress(names, laws=None):
+    show("arm", "law", "nominal [mrad]", "identified [mrad]", "variation before", "after")
     (case,) = chosen_cases(CASE)
     makers = {law.__name__: law_maker(law) for law in CONTROLLERS.values()}
+    makers |= {f"{name}{FED}": with_friction(make) for name, make in makers.items()}
     for name in names:
         arm = fp.load_arm(name)
         scenario = case.scenario_of(arm)
-        log = excited(name, scenario.true, 0)
+        log = excited(name, scenario.true, 0, fp.RobustFONFTSM(scenario.arm, hidden.DT))
         result = fp.identify([log], scenario.arm)
         known = replace(scenario, arm=result.arm)
+        rows = {}
         for label, make in makers.items():
             if laws and label not in laws:
                 continue
-            before = run_row(scenario, make(scenario.arm, scenario.dt), label)
+            if label.endswith(FED):  # The nominal arm has none: the run is that without.
+                before = rows[label.removesuffix(FED)]
+            else:
+                before = run_row(scenario, make(scenario.arm, scenario.dt), label)
+            rows[label] = before
             after = run_row(known, make(known.arm, known.dt), label)
-            print(
-                f"| {name} | {label} | {1e3 * before.tail_rms_error:.3g} | "
-                f"{1e3 * after.tail_rms_error:.3g} | {before.torque_variation:.3g} | "
-                f"{after.torque_variation:.3g} |",
-                flush=True,
+            show(
+                name,
+                label,
+                f"{1e3 * before.tail_rms_error:.3g}",
+                f"{1e3 * after.tail_rms_error:.3g}",
+                f"{before.torque_variation:.3g}",
+                f"{after.torque_variation:.3g}",
             )
 
 
 def solvers(names):
-    rows = []
+    show("arm", "SDP: half χ²", "[ms]", "log-Cholesky", "[ms]", "evaluations", "impossible before")
     for name in names:
         nominal = fp.load_arm(name)
         true = hidden.hidden_plant(nominal, 0)
@@ -146,19 +170,16 @@ def solvers(names):
         ours = sdp.consistent(linear, parameters, belief.mean, sizes)
         middle = time.process_time()
         theirs, evaluations = log_cholesky(linear, precision, parameters, belief.mean)
-        rows.append(
-            (
-                name,
-                f"{misfit(ours):.3g}",
-                f"{1e3 * (middle - started):.0f}",
-                f"{misfit(theirs):.3g}",
-                f"{1e3 * (time.process_time() - middle):.0f}",
-                f"{evaluations}",
-                f"{sum(not sdp.can_exist(linear.theta[parameters.body(k)]) for k in range(nominal.nv))}",
-            )
+        bodies = [linear.theta[parameters.body(k)] for k in range(nominal.nv)]
+        show(
+            name,
+            f"{misfit(ours):.3g}",
+            f"{1e3 * (middle - started):.0f}",
+            f"{misfit(theirs):.3g}",
+            f"{1e3 * (time.process_time() - middle):.0f}",
+            f"{evaluations}",
+            f"{sum(not sdp.can_exist(body) for body in bodies)} of {nominal.nv}",
         )
-    head = ("arm", "SDP χ²/2", "SDP [ms]", "log-Cholesky χ²/2", "[ms]", "evaluations", "impossible")
-    print(markdown_table(head, rows))
 
 
 def log_cholesky(linear, precision, parameters, start):
