@@ -73,10 +73,17 @@ class CFiles:
             "",
             *self._gains_lines(),
         ]
-        for member, note in (("joints", "What a tick brings, and the torque that it gives."), ("memory", "What lives on from tick to tick."), ("work", "What a tick fills anew.")):
+        for member, note in (
+            ("joints", "What a tick brings, and the torque that it gives."),
+            ("memory", "What lives on from tick to tick."),
+            ("work", "What a tick fills anew."),
+        ):
             struct = law.structs[member]
             if struct.fields:
-                lines += [*comment(note), *struct_lines(struct, notes_of(struct.kind), self.dialect)]
+                lines += [
+                    *comment(note),
+                    *struct_lines(struct, notes_of(struct.kind), self.dialect),
+                ]
         lines += [
             *comment("A controller. Copying it copies everything that it remembers."),
             "typedef struct {",
@@ -86,7 +93,9 @@ class CFiles:
             if struct.fields and not (member == "gains" and not law.live_gains):
                 lines.append(f"    {struct.name} {member};")
         for name, memory in law.memories.items():
-            lines.append(f"    {real} {member_name(name)}[{memory.size}]; /* memory of a fractional operator */")
+            lines.append(
+                f"    {real} {member_name(name)}[{memory.size}]; /* memory of a fractional operator */"
+            )
         lines += [f"}} {prefix}_state;", ""]
         for head, note in self._public():
             lines += [*comment(note), f"{head};", ""]
@@ -105,7 +114,10 @@ class CFiles:
             "",
         ]
         for name, table in law.tables.items():
-            lines += [*comment(f"Coefficients of the operator `{name}`, a row after the other."), *numbers(f"{identifier(name)}_table", table, dialect)]
+            lines += [
+                *comment(f"Coefficients of the operator `{name}`, a row after the other."),
+                *numbers(f"{identifier(name)}_table", table, dialect),
+            ]
         roots = [law.tick.name, law.read.name]
         if any(joint.turns_on for joint in self.joints):
             roots += [self._turned().name, self._is_round().name]
@@ -161,7 +173,10 @@ class CFiles:
                 fixed.append(f"{field.name} = {shown}")
         lines = []
         if fixed:
-            lines += comment("Gains that stay as they were exported:\n" + "\n".join(f"  {line}" for line in fixed))
+            lines += comment(
+                "Gains that stay as they were exported:\n"
+                + "\n".join(f"  {line}" for line in fixed)
+            )
             lines.append("")
         if law.live_gains:
             lines += comment("Gains that may be changed between two ticks. Nothing checks them.")
@@ -175,8 +190,14 @@ class CFiles:
         if not self.law.controller.uses_model:
             model = "This law knows no model: M and h are not read, and may be null pointers."
         return [
-            (f"void {prefix}_init({state})", "Fill in the gains as they were exported, and begin anew. Call it before all else."),
-            (f"void {prefix}_reset({state})", "Forget everything but the gains: the next tick is the first."),
+            (
+                f"void {prefix}_init({state})",
+                "Fill in the gains as they were exported, and begin anew. Call it before all else.",
+            ),
+            (
+                f"void {prefix}_reset({state})",
+                "Forget everything but the gains: the next tick is the first.",
+            ),
             (
                 f"int {prefix}_update({state}, const {real} q[{nq}], const {real} v[{n}], "
                 f"const {real} q_d[{nq}], const {real} v_d[{n}], const {real} a_d[{n}], "
@@ -217,23 +238,25 @@ class CFiles:
 
     def _reset_lines(self) -> list[str]:
         law, zero, n = self.law, self.dialect.number(0.0), self.arm.nv
-        cleared = [
-            (f"joints.{name}", n) for name in Joints._fields if name != "effort_limit"
-        ]
+        cleared = [(f"joints.{name}", n) for name in Joints._fields if name != "effort_limit"]
         for group in ("memory", "work"):
             cleared += [(f"{group}.{member_name(name)}", n) for name in law.structs[group].fields]
         lines = [f"for (int i = 0; i < {n}; i++) {{"]
         lines += [f"    state->{target}[i] = {zero};" for target, _ in cleared]
         lines.append("}")
         for name, memory in law.memories.items():
-            lines.append(f"for (int i = 0; i < {memory.size}; i++) {{ state->{member_name(name)}[i] = {zero}; }}")
+            lines.append(
+                f"for (int i = 0; i < {memory.size}; i++) {{ state->{member_name(name)}[i] = {zero}; }}"
+            )
         for group, rows in law.first_rows().items():
             for name, row in rows.items():
                 lines += assigned(f"state->{group}.{member_name(name)}", row, self.dialect)
         for name, memory in law.memories.items():
             flat = memory.ravel()
             for k in np.flatnonzero(flat):
-                lines.append(f"state->{member_name(name)}[{k}] = {self.dialect.number(float(flat[k]))};")
+                lines.append(
+                    f"state->{member_name(name)}[{k}] = {self.dialect.number(float(flat[k]))};"
+                )
         return lines
 
     def _turned(self):  # type: ignore[no-untyped-def]
@@ -279,7 +302,12 @@ class CFiles:
         given = ", ".join([*sizes, *(["M", "h"] if law.controller.uses_model else [])])
         lines = block(
             f"static bool are_finite(const {real} *x, int size)",
-            ["for (int i = 0; i < size; i++) {", "    if (!isfinite(x[i])) { return false; }", "}", "return true;"],
+            [
+                "for (int i = 0; i < size; i++) {",
+                "    if (!isfinite(x[i])) { return false; }",
+                "}",
+                "return true;",
+            ],
             "Whether every number is finite.",
         )
         lines += block(
@@ -298,7 +326,9 @@ class CFiles:
         ]
         if not law.controller.uses_model:
             update += ["(void)M;", "(void)h;"]
-        return lines + block(self._public()[2][0], [*update, "return status;"], "One tick: see the header.")
+        return lines + block(
+            self._public()[2][0], [*update, "return status;"], "One tick: see the header."
+        )
 
     def _tick_arguments(self) -> dict[str, str]:
         found = {"dt": "dt", "table": "state", "M0": "M", "h0": "h"}

@@ -70,6 +70,8 @@ class Calls(Memory):
         if any(isinstance(value, Many) for value in values):
             raise self.source.refuse(node, "a tuple as an argument")
         made = self.program.function(kernel, values, caller=self.source, node=node)
+        if made.always is not None:
+            return made.always
         if made.writes and not alone:
             raise self.source.refuse(
                 node, f"{made.name} writes to arrays inside an expression: assign its result first"
@@ -87,11 +89,11 @@ class Calls(Memory):
             given.append(self.pointer(value) if isinstance(value, Array) else value.code)
         code = f"{made.name}({', '.join(given)})"
         if made.result is None:
-            self._emit(f"{code};")
+            self.emit(f"{code};")
             return None
         if isinstance(made.result, tuple):
             name = self.temporary()
-            self._emit(f"const {self.program.tuple_type(made.result)} {name} = {code};")
+            self.emit(f"const {self.program.tuple_type(made.result)} {name} = {code};")
             items = enumerate(made.result)
             return Many(tuple(Scalar(kind, f"{name}.r{k}") for k, kind in items))
         return Scalar(made.result, code)
@@ -199,10 +201,10 @@ class Calls(Memory):
         shape = (shape,) if isinstance(shape, int) else shape
         if not isinstance(shape, tuple) or not 1 <= len(shape) <= 3 or len(node.args) != 1:
             raise self.source.refuse(node, "an array whose size is not known beforehand")
-        name = self.temporary().replace("now", "space")
+        name = self.temporary("space")
         zero = self.dialect.number(0.0)
         entries = max(1, math.prod(shape))
-        self._emit(f"{self.dialect.real} {name}[{entries}] = {{{zero}}};", name)
+        self.emit(f"{self.dialect.real} {name}[{entries}] = {{{zero}}};", name)
         return Array(name, shape, Root())
 
 

@@ -16,7 +16,6 @@ from fotsmc_pin.export.values import (
     LONG,
     OR,
     PLUS,
-    PRIMARY,
     REAL,
     TERNARY,
     TIMES,
@@ -81,7 +80,9 @@ class Expressions(Calls):
         """
         self.written = None
         match node:
-            case ast.Constant(known) if known is None or isinstance(known, bool | int | float | str):
+            case ast.Constant(known) if known is None or isinstance(
+                known, bool | int | float | str
+            ):
                 return Constant(known)
             case ast.Name(name):
                 return self._named(node, name)
@@ -173,15 +174,22 @@ class Expressions(Calls):
             raise self.source.refuse(node, "arithmetic with whole arrays: write a loop")
         if isinstance(left, Constant) and isinstance(right, Constant):
             try:
-                return Constant(FOLDED[type(node.op)](left.value, right.value))
+                folded = FOLDED[type(node.op)](left.value, right.value)
+                return Constant(folded, left.decides or right.decides)
             except (ArithmeticError, KeyError) as error:
                 raise self.source.refuse(node, f"{ast.unparse(node)}: {error}") from None
         if isinstance(node.op, ast.Pow):
             return self._power(node, left, right)
+        if self.source.rounds_freely and REAL in kinds:
+            short = _without_zero(node.op, left, right)
+            if short is not None:
+                return short
         if isinstance(node.op, ast.FloorDiv | ast.Mod):
             if REAL in kinds:
                 raise self.source.refuse(node, "// and % of reals")
-            name = self.program.helper("floored" if isinstance(node.op, ast.FloorDiv) else "remaining")
+            name = self.program.helper(
+                "floored" if isinstance(node.op, ast.FloorDiv) else "remaining"
+            )
             return Scalar(LONG, f"{name}({self.text(left)}, {self.text(right)})")
         if type(node.op) not in ARITHMETIC:
             raise self.source.refuse(node, f"{type(node.op).__name__} has no translation")
@@ -226,7 +234,9 @@ class Expressions(Calls):
         sign, binding = ("||", OR) if stops else ("&&", AND)
         # Compilers ask for parentheses around && within ||.
         inner = [part.within(EQUAL if len(parts) > 1 else binding) for part in parts]
-        return Scalar(BOOL, f" {sign} ".join(inner), binding if len(parts) > 1 else parts[0].binding)
+        return Scalar(
+            BOOL, f" {sign} ".join(inner), binding if len(parts) > 1 else parts[0].binding
+        )
 
     def _comparison(self, node: ast.Compare) -> Value:
         values = [self.value(item) for item in (node.left, *node.comparators)]
@@ -244,7 +254,9 @@ class Expressions(Calls):
             return parts[0]
         return Scalar(BOOL, " && ".join(part.within(EQUAL) for part in parts), AND)
 
-    def _compared(self, node: ast.Compare, op: ast.cmpop, left: Value, right: Value) -> Constant | Scalar:
+    def _compared(
+        self, node: ast.Compare, op: ast.cmpop, left: Value, right: Value
+    ) -> Constant | Scalar:
         if isinstance(op, ast.In | ast.NotIn):
             if not isinstance(right, Constant) or not isinstance(right.value, tuple):
                 raise self.source.refuse(node, "`in` what is not known beforehand")
@@ -286,4 +298,14 @@ class Expressions(Calls):
         return Scalar(kind, f"{condition.within(TERNARY + 1)} ? {first} : {second}", TERNARY)
 
 
-__all__ = ["PRIMARY", "Expressions"]
+def _without_zero(op: ast.operator, left: Value, right: Value) -> Value | None:
+    """Return what a sum or product with zero is worth; None where there is no zero."""
+    zeros = [isinstance(x, Constant) and x.value == 0.0 for x in (left, right)]
+    if isinstance(op, ast.Mult) and any(zeros):
+        return Constant(0.0, True)
+    if isinstance(op, ast.Add) and any(zeros):
+        other = right if zeros[0] else left
+        return other if kind_of(other) == REAL else None
+    if isinstance(op, ast.Sub) and zeros[1] and kind_of(left) == REAL:
+        return left
+    return None

@@ -10,7 +10,6 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-
 from fotsmc_pin.compiled import kernel
 from fotsmc_pin.errors import ArgumentError
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from fotsmc_pin.control.arguments import read_arguments
 from fotsmc_pin.control.rows import Joints, row_names
+from fotsmc_pin.export.dialect import identifier
 from fotsmc_pin.export.values import Array, Constant, Root, Scalar, Struct, Table
 
 if TYPE_CHECKING:
@@ -91,10 +92,20 @@ class Law:
             Array("h", (n,), Root()),
         ]
         for name, table in tables.items():
-            arguments.append(Array(f"{name}_table", table.shape, Root()))
+            place = f"{identifier(name)}_table"
+            arguments.append(Array(place, table.shape, Root(), data=table))
             arguments.append(Array(f"state->{name}", memories[name].shape, root))
         tick = program.function(type(twin).tick, arguments, caller=None, node=None)
-        return cls(twin, gains, fixed, structs, tables, memories, tick, _reader(twin, program, structs["joints"]))
+        return cls(
+            twin,
+            gains,
+            fixed,
+            structs,
+            tables,
+            memories,
+            tick,
+            _reader(twin, program, structs["joints"]),
+        )
 
     @property
     def live_gains(self) -> list[str]:
@@ -113,7 +124,7 @@ class Law:
 
 
 def _vectors(names: Any, n: int) -> dict[str, tuple[int, ...] | Constant]:
-    return {name: (n,) for name in names._fields}
+    return dict.fromkeys(names._fields, (n,))
 
 
 def _gains(gains: Any, fixed: frozenset[str], n: int) -> dict[str, tuple[int, ...] | Constant]:

@@ -53,7 +53,12 @@ def notes_of(kind: Any) -> dict[str, str]:
         if line and not line.startswith(" "):
             break
         head, colon, rest = line.strip().partition(": ")
-        if colon and head.isidentifier() and len(line) - len(line.lstrip()) <= 8 and not _continues(line, doc):
+        if (
+            colon
+            and head.isidentifier()
+            and len(line) - len(line.lstrip()) <= 8
+            and not _continues(line, doc)
+        ):
             name = head
             found[name] = rest
         elif name and line.strip():
@@ -63,7 +68,9 @@ def notes_of(kind: Any) -> dict[str, str]:
 
 def _continues(line: str, doc: str) -> bool:
     listed = [ln for ln in doc.split("Attributes:", 1)[1].splitlines() if ln.strip()]
-    return bool(listed) and len(line) - len(line.lstrip()) > len(listed[0]) - len(listed[0].lstrip())
+    return bool(listed) and len(line) - len(line.lstrip()) > len(listed[0]) - len(
+        listed[0].lstrip()
+    )
 
 
 def numbers(name: str, values: Any, dialect: Dialect) -> list[str]:
@@ -95,9 +102,18 @@ def wrapped(head: str) -> list[str]:
     if len(head) <= 100:
         return [head]
     start, inside = head.split("(", 1)
-    return [f"{start}(", *textwrap.wrap(inside, 92, initial_indent="    ", subsequent_indent="    ")]
+    return [
+        f"{start}(",
+        *textwrap.wrap(inside, 92, initial_indent="    ", subsequent_indent="    "),
+    ]
 
 
 def block(head: str, lines: Sequence[str], note: str) -> list[str]:
     """Return a function."""
-    return [*comment(note), f"{head} {{", *(f"    {line}" if line else "" for line in lines), "}", ""]
+    return [
+        *comment(note),
+        f"{head} {{",
+        *(f"    {line}" if line else "" for line in lines),
+        "}",
+        "",
+    ]

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import ast
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from fotsmc_pin.export.dialect import member_name
+from fotsmc_pin.export.lines import Lines
 from fotsmc_pin.export.values import (
     BOOL,
     INT,
@@ -32,34 +34,20 @@ if TYPE_CHECKING:
     from fotsmc_pin.export.values import Value
 
 
-class Memory(ABC):
+class Memory(Lines, ABC):
     """Translates what reads memory.
 
     Attributes:
-        program: the C program.
-        source: the kernel.
-        dialect: double or single precision.
-        environment: what each local name is.
         written: memory of the entry that was translated last, for an assignment to it.
     """
 
     def __init__(self, program: Program, source: Source) -> None:
-        self.program, self.source = program, source
-        self.dialect = program.dialect
-        self.environment: dict[str, Value] = {}
+        super().__init__(program, source)
         self.written: Root | None = None
 
     @abstractmethod
     def value(self, node: ast.expr, *, alone: bool = False) -> Value:
         """Return what an expression is worth."""
-
-    @abstractmethod
-    def temporary(self) -> str:
-        """Return the name of a variable that no kernel has."""
-
-    @abstractmethod
-    def _emit(self, text: Any, declares: str | None = None) -> None:
-        """Write a line."""
 
     def text(self, value: Value) -> str:
         """Return a number as C, of its own kind."""
@@ -159,6 +147,8 @@ class Memory(ABC):
         self.written = owner.root
         if found.shape:
             return found
+        if found.data is not None and isinstance(found.offset, Constant | None):
+            return Constant(float(found.data.flat[found.offset.value if found.offset else 0]), True)
         return Scalar(REAL, f"{found.code}[{self.text(found.offset or Constant(0))}]")
 
     def _tail(self, node: ast.AST, array: Array, part: ast.Slice) -> Array:
@@ -168,7 +158,7 @@ class Memory(ABC):
         given = [b.value if isinstance(b, Constant) else None for b in bounds]
         start, stop, _ = slice(*given).indices(array.shape[0])
         offset = self._sum(array.offset, Constant(start * array.stride))
-        return Array(array.code, (max(stop - start, 0), *array.shape[1:]), array.root, offset)
+        return replace(array, shape=(max(stop - start, 0), *array.shape[1:]), offset=offset)
 
     def _at(self, array: Array, indices: Sequence[Value], node: ast.AST) -> Array:
         if len(indices) > len(array.shape):
@@ -191,7 +181,7 @@ class Memory(ABC):
                 if stride != 1:
                     step = Scalar(index.kind, f"{index.within(TIMES)} * {stride}", TIMES)
                 offset = self._sum(offset, step)
-        return Array(array.code, shape, array.root, offset)
+        return replace(array, shape=shape, offset=offset)
 
     def _sum(self, a: Scalar | Constant | None, b: Scalar | Constant) -> Scalar | Constant | None:
         if isinstance(b, Constant) and b.value == 0:

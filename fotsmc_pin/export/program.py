@@ -55,6 +55,7 @@ class Function:
         head: its declaration.
         lines: its text.
         writes: whether it writes to memory of its caller.
+        always: what it returns, where it does nothing else than return what is known.
     """
 
     name: str
@@ -64,6 +65,7 @@ class Function:
     head: str = ""
     lines: list[str] = field(default_factory=list)
     writes: bool = False
+    always: Value | None = None
 
 
 class Program:
@@ -99,7 +101,7 @@ class Program:
                 raise caller.refuse(node, f"{plain.__name__} calls itself: write a loop")
             return found
         self._found[key] = None
-        made = self._translated(Source.of(plain), values)
+        made = self._translated(Source.of(kernel), values)
         self._found[key] = made
         self.functions.append(made)
         return made
@@ -157,11 +159,12 @@ class Program:
             function.arguments.append((identifier(name), inside))
         body = Body(self, source, environment, known)
         lines = body.translated()
-        function.result = body.result
-        text = "\n".join(body.code_lines)
+        function.result, function.always = body.result, body.always
+        text = body.code
         declared = []
         for k, (name, value) in enumerate(function.arguments):
-            if not isinstance(value, Constant) and re.search(rf"\b{name}\b", text):
+            known = isinstance(value, Constant) or getattr(value, "data", None) is not None
+            if not known and re.search(rf"\b{name}\b", text):
                 function.kept.append(k)
                 declared.append(self._declared(name, value))
                 root = getattr(value, "root", None)
@@ -199,8 +202,10 @@ class Program:
 def _inside(name: str, value: Value) -> Value:
     """Return what an argument is inside of the function that takes it."""
     match value:
-        case Constant(number) if isinstance(number, float):
+        case Constant(number, decides=False) if isinstance(number, float):
             return Scalar("real", name)
+        case Array(data=data) if data is not None:
+            return value
         case Scalar(kind):
             return Scalar(kind, name)
         case Array(shape=shape):

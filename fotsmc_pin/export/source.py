@@ -25,6 +25,7 @@ class Source:
     Attributes:
         function: the plain function.
         tree: its syntax tree.
+        rounds_freely: whether the order of sums does not matter to it.
         comments: comments that stand alone, by their line in `tree`.
         scope: what its global names and those of the functions around it mean.
         stored: how often each name is assigned.
@@ -33,6 +34,7 @@ class Source:
 
     function: Any
     tree: ast.FunctionDef
+    rounds_freely: bool
     comments: Mapping[int, str]
     scope: Mapping[str, Any]
     stored: Mapping[str, int]
@@ -58,7 +60,8 @@ class Source:
             raise TranslationError(f"{plain.__qualname__}: is no function that `def` defines")
         cells = zip(plain.__code__.co_freevars, plain.__closure__ or (), strict=True)
         scope = {**vars(builtins), **plain.__globals__, **{n: c.cell_contents for n, c in cells}}
-        return cls(plain, tree, _comments(text), scope, _stored(tree), _places(tree))
+        free = bool(getattr(function, "targetoptions", {}).get("fastmath"))
+        return cls(plain, tree, free, _comments(text), scope, _stored(tree), _places(tree))
 
     def refuse(self, node: ast.AST | None, construct: str) -> TranslationError:
         """Return the error that names file, line and construct."""

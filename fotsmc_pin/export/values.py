@@ -37,9 +37,16 @@ class Root:
 
 @dataclass(frozen=True)
 class Constant:
-    """What is known when the C is written: a number, a function, a class, a module."""
+    """What is known when the C is written: a number, a function, a class, a module.
+
+    Attributes:
+        value: what it is.
+        decides: whether functions are written anew for it though it is a real: it stands in a
+            table that never changes, such as the scheme of an operator.
+    """
 
     value: Any
+    decides: bool = False
 
 
 @dataclass(frozen=True)
@@ -64,12 +71,14 @@ class Array:
         shape: number of values of each index.
         root: what tells whether it is written.
         offset: entries of the memory before the first one.
+        data: the entries, where they never change; the memory is then known everywhere by its name.
     """
 
     code: str
     shape: tuple[int, ...]
     root: Root = field(compare=False)
     offset: Scalar | Constant | None = None
+    data: Any = field(default=None, compare=False)
 
     @property
     def stride(self) -> int:
@@ -149,14 +158,16 @@ def kind_of(value: Value) -> str | None:
 def signature(value: Value) -> Hashable:
     """Return what a function is written anew for: types, sizes and known values, but no reals."""
     match value:
-        case Constant(number) if isinstance(number, float):
+        case Constant(number, decides=False) if isinstance(number, float):
             return REAL
         case Constant(known):
-            return type(known).__name__, known if isinstance(known, str | int) else id(known)
+            return type(known).__name__, known if isinstance(known, str | int | float) else id(
+                known
+            )
         case Scalar():
             return value.kind
         case Array():
-            return "array", value.shape
+            return "array", value.shape, value.code if value.data is not None else None
         case Rows():
             return "rows", value.struct.name
         case Table():
