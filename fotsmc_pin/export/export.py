@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fotsmc_pin.export.c_files import CFiles
+from fotsmc_pin.export.files import Files
 from fotsmc_pin.files import write_text
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ def export_c(
     Returns:
         The header and the program.
     """
-    files = CFiles(controller, single=single)
+    files = Files(controller, single=single)
     source, header = files.source(), files.header()
     paths = Path(folder) / f"{files.prefix}.h", Path(folder) / f"{files.prefix}.c"
     for path, text in zip(paths, (header, source), strict=True):

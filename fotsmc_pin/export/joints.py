@@ -8,13 +8,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from fotsmc_pin.compiled import kernel
 from fotsmc_pin.errors import ArgumentError
+from fotsmc_pin.export.values import Scalar
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from fotsmc_pin.arms import Arm
+    from fotsmc_pin.export.program import Program
 
 
 @kernel
@@ -78,4 +82,58 @@ def joints_of(arm: Arm) -> list[Joint]:
     return found
 
 
-__all__ = ["Joint", "is_round", "joints_of", "turned", "turned_on"]
+class Turning:
+    """Writes what a configuration needs that is no plain vector.
+
+    Attributes:
+        used: translated functions that were needed.
+    """
+
+    def __init__(self, program: Program) -> None:
+        self._program = program
+        self.used: list[str] = []
+
+    def round_checks(self, joints: Sequence[Joint], q: str, roundness: float) -> list[str]:
+        """Return conditions under which the pairs of `q` lie on the unit circle."""
+        name = self._named(is_round, 3, joints)
+        limit = self._program.dialect.number(roundness)
+        pairs = [joint.q for joint in joints if joint.turns_on]
+        return [f"{name}(({q})[{k}], ({q})[{k + 1}], {limit})" for k in pairs]
+
+    def difference(self, joints: Sequence[Joint], q0: str, q1: str, target: str) -> list[str]:
+        """Return assignments of `q1 ⊖ q0` to `target`."""
+        name = self._named(turned, 4, joints)
+        lines = []
+        for joint in joints:
+            k = joint.q
+            value = f"({q1})[{k}] - ({q0})[{k}]"
+            if joint.turns_on:
+                value = f"{name}(({q0})[{k}], ({q0})[{k + 1}], ({q1})[{k}], ({q1})[{k + 1}])"
+            lines.append(f"{target}[{joint.v}] = {value};")
+        return lines
+
+    def sum(self, joints: Sequence[Joint], q: str, way: str, target: str) -> list[str]:
+        """Return assignments of `q ⊕ way` to `target`."""
+        name = self._named(turned_on, 3, joints)
+        lines = []
+        for joint in joints:
+            k = joint.q
+            if not joint.turns_on:
+                lines.append(f"{target}[{k}] = {q}[{k}] + {way}[{joint.v}];")
+                continue
+            pair = self._program.tuple_type(("real", "real"))
+            lines += [
+                f"const {pair} pair_{k} = {name}({q}[{k}], {q}[{k + 1}], {way}[{joint.v}]);",
+                f"{target}[{k}] = pair_{k}.r0;",
+                f"{target}[{k + 1}] = pair_{k}.r1;",
+            ]
+        return lines
+
+    def _named(self, kernel: Any, arguments: int, joints: Sequence[Joint]) -> str:
+        if not any(joint.turns_on for joint in joints):
+            return ""
+        reals = [Scalar("real", f"x{k}") for k in range(arguments)]
+        function = self._program.function(kernel, reals, caller=None, node=None)
+        if function.name not in self.used:
+            self.used.append(function.name)
+        return function.name

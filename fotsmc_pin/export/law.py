@@ -58,13 +58,14 @@ class Law:
     read: Function
 
     @classmethod
-    def of(cls, controller: Controller, program: Program, prefix: str) -> Law:
+    def of(cls, controller: Controller, program: Program, prefix: str, state: str) -> Law:
         """Translate a law.
 
         Args:
             controller: any controller; it stays as it is.
             program: where its functions are written.
             prefix: what all names of the program begin with.
+            state: type of the law's state.
 
         Raises:
             TranslationError: its kernel contains what is not translated.
@@ -87,7 +88,7 @@ class Law:
         root = Root()
         arguments: list[Value] = [
             Scalar("real", "dt"),
-            Table("state", f"{prefix}_state", tuple(structs.items()), n, root),
+            Table("state", state, tuple(structs.items()), n, root),
             Array("M", (n, n), Root()),
             Array("h", (n,), Root()),
         ]

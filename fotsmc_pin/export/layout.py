@@ -28,6 +28,16 @@ STATUSES = (
 """Status codes, in the order of their values, with their meaning."""
 
 
+def statuses(macro: str, meanings: Sequence[tuple[str, str]]) -> list[str]:
+    """Return the status codes."""
+    lines = [*comment("What a tick reports."), "enum {"]
+    for k, (name, meaning) in enumerate(meanings):
+        lines.append(
+            f"    {macro}_{name} = {k}{',' if k < len(meanings) - 1 else ''} /* {meaning} */"
+        )
+    return [*lines, "};", ""]
+
+
 def struct_lines(
     struct: Struct, notes: dict[str, str], dialect: Dialect, only: Iterable[str] | None = None
 ) -> list[str]:
