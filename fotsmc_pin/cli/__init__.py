@@ -9,6 +9,7 @@ import typer
 
 from fotsmc_pin.cli.animate import animate
 from fotsmc_pin.cli.arms import arms_command
+from fotsmc_pin.cli.export import export_command
 from fotsmc_pin.cli.inspect import inspect_command
 from fotsmc_pin.cli.margins import margins_command
 from fotsmc_pin.cli.output import INTERRUPTED, UsageError, say_error, speak_plainly
@@ -50,6 +51,7 @@ app.command("report", cls=PlainCommand)(report)
 app.command("arms", cls=PlainCommand)(arms_command)
 app.command("inspect", cls=PlainCommand)(inspect_command)
 app.command("margins", cls=PlainCommand)(margins_command)
+app.command("export", cls=PlainCommand)(export_command)
 app.command("perturb", cls=PlainCommand)(perturb_command)
 app.command("stress", cls=PlainCommand)(stress)
 app.command("tune", cls=PlainCommand)(tune)

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from fotsmc_pin.control import Controller
     from fotsmc_pin.export.program import Function, Program
 
-LARGEST_MODEL = 1e8
-"""Entries of `M` beyond this are refused."""
+LIGHTEST, HEAVIEST, STRONGEST = 1e-9, 1e8, 1e20
+"""Bounds of a mass matrix's diagonal and entries, and of torques: beyond, a model is refused."""
 
 GROUPS = {
     "joints": "What a tick brings, and the torque that it gives.",
@@ -138,7 +138,7 @@ class BareLaw:
                 lines.append(f"    {struct.name} {member};")
         for name, memory in law.memories.items():
             note = "/* memory of a fractional operator */"
-            lines.append(f"    {real} {member_name(name)}[{memory.size}]; {note}")
+            lines.append(f"    {real} {name}_memory[{memory.size}]; {note}")
         return [*lines, f"}} {self.names.state};", ""]
 
     def tables(self) -> list[str]:
@@ -225,7 +225,7 @@ class BareLaw:
         lines = [f"for (int i = 0; i < {self.arm.nv}; i++) {{"]
         lines += [*(f"    state->{target}[i] = {zero};" for target in cleared), "}"]
         for name, memory in law.memories.items():
-            target = f"state->{member_name(name)}[i] = {zero};"
+            target = f"state->{name}_memory[i] = {zero};"
             lines.append(f"for (int i = 0; i < {memory.size}; i++) {{ {target} }}")
         for group, rows in law.first_rows().items():
             for name, row in rows.items():
@@ -234,7 +234,7 @@ class BareLaw:
             flat = memory.ravel()
             for k in np.flatnonzero(flat):
                 number = self.dialect.number(float(flat[k]))
-                lines.append(f"state->{member_name(name)}[{k}] = {number};")
+                lines.append(f"state->{name}_memory[{k}] = {number};")
         return lines
 
     def _update_lines(self) -> list[str]:
@@ -296,9 +296,12 @@ class BareLaw:
             n, bad = self.arm.nv, f"return {names.status('BAD_MODEL')};"
             size = f"{self.dialect.function('fabs')}(M[i])"
             lines += [
-                f"if (!are_finite(h, {n})) {{ {bad} }}",
+                f"for (int i = 0; i < {n}; i++) {{",
+                f"    if (!({self.dialect.function('fabs')}(h[i]) <= {number(STRONGEST)})) {{ {bad} }}",
+                f"    if (!(M[i * {n + 1}] >= {number(LIGHTEST)})) {{ {bad} }}",
+                "}",
                 f"for (int i = 0; i < {n * n}; i++) {{",
-                f"    if (!({size} <= {number(LARGEST_MODEL)})) {{ {bad} }}",
+                f"    if (!({size} <= {number(HEAVIEST)})) {{ {bad} }}",
                 "}",
             ]
         return [*lines, f"return {names.status('OK')};"]
@@ -306,7 +309,7 @@ class BareLaw:
     def _tick_arguments(self) -> dict[str, str]:
         found = {"dt": "dt", "table": "state", "M0": "M", "h0": "h"}
         for name in self.law.tables:
-            found[identifier(f"{name}_memory")] = f"state->{member_name(name)}"
+            found[identifier(f"{name}_memory")] = f"state->{name}_memory"
         return found
 
 

@@ -23,7 +23,7 @@ STATUSES = (
     ("BAD_V_D", "v_d is not finite"),
     ("BAD_A_D", "a_d is not finite"),
     ("BAD_DT", "dt is not finite, or below 1e-3 or above 1e6 nominal periods"),
-    ("BAD_MODEL", "M or h is not finite, or M has an entry beyond 1e8"),
+    ("BAD_MODEL", "M or h is not finite or too large, or the diagonal of M is not above zero"),
 )
 """Status codes, in the order of their values, with their meaning."""
 

@@ -6,8 +6,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import pinocchio as pin
 
 import fotsmc_pin as fp
+from fotsmc_pin.control.arguments import LARGEST
 
 STRICT = ("-std=c99", "-O2", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
 EXACT = "-ffp-contract=off"
@@ -20,19 +22,20 @@ SHIM = """
 size_t shim_size(void);
 void shim_replay(
     {prefix}_state *state, int ticks, const {real} *q, const {real} *v, const {real} *q_d,
-    const {real} *v_d, const {real} *a_d, const {real} *M, const {real} *h,
+    const {real} *v_d, const {real} *a_d, const {real} *M, const {real} *h, {g_type}
     const {real} *dt, {real} *tau, int *status);
 
 size_t shim_size(void) {{ return sizeof({prefix}_state); }}
 
 void shim_replay(
     {prefix}_state *state, int ticks, const {real} *q, const {real} *v, const {real} *q_d,
-    const {real} *v_d, const {real} *a_d, const {real} *M, const {real} *h,
+    const {real} *v_d, const {real} *a_d, const {real} *M, const {real} *h, {g_type}
     const {real} *dt, {real} *tau, int *status) {{
+    (void)g;
     for (int k = 0; k < ticks; k++) {{
         status[k] = {prefix}_update(
             state, q + {nq} * k, v + {n} * k, q_d + {nq} * k, v_d + {n} * k, a_d + {n} * k,
-            M + {n} * {n} * k, h + {n} * k, dt[k], tau + {n} * k);
+            M + {n} * {n} * k, h + {n} * k, {g} dt[k], tau + {n} * k);
     }}
 }}
 """
@@ -40,7 +43,7 @@ void shim_replay(
 
 def compile_shared(sources, target, *flags, compiler="gcc"):
     """Compile C into a shared library."""
-    command = [compiler, *flags, "-fPIC", "-shared", *map(str, sources), "-o", str(target), "-lm"]
+    command = [compiler, *flags, *([] if "-c" in flags else ["-fPIC", "-shared"]), *map(str, sources), "-o", str(target), "-lm"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert not done.returncode, done.stderr[:4000]
     return target
@@ -57,8 +60,21 @@ class Inputs:
     a_d: np.ndarray
     M: np.ndarray
     h: np.ndarray
+    g: np.ndarray
     dt: np.ndarray
     tau: np.ndarray
+
+
+def terms(arm, law, q, v):
+    """Return `M`, `h` and `g` as a caller of C would compute them, from the numbers that a law sees."""
+    if not (np.isfinite(q).all() and np.isfinite(v).all()):
+        bad = np.full(arm.nv, np.nan)
+        return np.full((arm.nv, arm.nv), np.nan), bad, bad
+    model, data = arm.model, arm.model.createData()
+    seen, speed = np.clip(q, -LARGEST, LARGEST), np.clip(v, -LARGEST, LARGEST)
+    M = pin.crba(model, data, seen).copy()
+    h = pin.nonLinearEffects(model, data, seen, speed).copy()
+    return M, h, pin.computeGeneralizedGravity(model, data, seen).copy()
 
 
 class Logged:
@@ -78,11 +94,15 @@ class Logged:
     def update(self, q, v, q_d, v_d, a_d, dt=None):
         tau = self.law.update(q, v, q_d, v_d, a_d, dt)
         period = self.dt if dt is None else dt
-        terms = self.law._terms
-        self.rows.append(
-            [np.array(x, dtype=float) for x in (q, v, q_d, v_d, a_d, terms.M, terms.h, period, tau)]
-        )
+        M, h, g = terms(self.arm, self.bare, q, v)
+        row = (q, v, q_d, v_d, a_d, M, h, g, period, tau)
+        self.rows.append([np.array(x, dtype=float) for x in row])
         return tau
+
+    @property
+    def bare(self):
+        """The law without its safeguard."""
+        return getattr(self.law, "controller", self.law)
 
     @property
     def inputs(self):
@@ -98,7 +118,10 @@ class CompiledC:
         self.prefix = self.header.stem
         self.real = np.float32 if single else np.float64
         shim = Path(folder) / "shim.c"
-        words = {"prefix": self.prefix, "real": "float" if single else "double"}
+        real = "float" if single else "double"
+        words = {"prefix": self.prefix, "real": real, "g_type": f"const {real} *g,"}
+        guarded = isinstance(controller, fp.Safeguard)
+        words["g"] = f"g + {self.arm.nv} * k," if guarded else ""
         shim.write_text(SHIM.format(n=self.arm.nv, nq=self.arm.nq, **words), encoding="utf-8")
         library = Path(folder) / f"{self.prefix}.so"
         compile_shared([self.source, shim], library, *flags, EXACT, compiler=compiler)
@@ -119,14 +142,15 @@ class CompiledC:
         n, ticks = self.arm.nv, len(inputs.q)
         tau = np.zeros((ticks, n), self.real)
         status = np.zeros(ticks, np.intc)
-        names = ("q", "v", "q_d", "v_d", "a_d", "M", "h", "dt")
+        names = ("q", "v", "q_d", "v_d", "a_d", "M", "h", "g", "dt")
         given = [np.ascontiguousarray(getattr(inputs, name), self.real) for name in names]
         pointers = [ctypes.c_void_p(array.ctypes.data) for array in (*given, tau, status)]
         self.code.shim_replay(self.state, ctypes.c_int(ticks), *pointers)
         return tau, status
 
-    def update(self, q, v, q_d, v_d, a_d, M, h, dt):
+    def update(self, q, v, q_d, v_d, a_d, M, h, g, dt):
         """Return the torque and the status of one tick."""
-        one = Inputs(*(np.array([x], dtype=self.real) for x in (q, v, q_d, v_d, a_d, M, h, dt)), None)
+        row = (q, v, q_d, v_d, a_d, M, h, g, dt)
+        one = Inputs(*(np.array([x], dtype=self.real) for x in row), None)
         tau, status = self.replay(one)
         return tau[0], int(status[0])
