@@ -58,4 +58,4 @@ def main(out: Path = Path("made"), duration: float = 5.0) -> None:
 
 
 if __name__ == "__main__":
-    main(*map(Path, sys.argv[1:2]))
+    main(Path(sys.argv[1]) if sys.argv[1:] else Path("made"))

@@ -23,9 +23,7 @@ def export_command(
     dt: Annotated[float, typer.Option(help="Nominal period of a tick [s].")] = 1e-3,
     guarded: Annotated[
         bool,
-        typer.Option(
-            "--safeguard", help="With soft start, watchdog and safe stop around the law."
-        ),
+        typer.Option("--safeguard", help="With soft start, watchdog and safe stop around the law."),
     ] = False,
     torque_rate: Annotated[
         float | None,

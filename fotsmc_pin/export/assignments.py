@@ -1,4 +1,4 @@
-"""Assignments of a kernel as C: where a variable is declared, and in which order values are stored."""
+"""Assignments of a kernel as C: where variables are declared, and the order of what is stored."""
 
 from __future__ import annotations
 
@@ -28,6 +28,7 @@ class Assignments(Expressions):
     """Translates assignments."""
 
     def augment(self, node: ast.AugAssign) -> None:
+        """Translate `x += ...` and its like."""
         loaded = ast.copy_location(_loaded(node.target), node.target)
         both = ast.copy_location(ast.BinOp(loaded, node.op, node.value), node)
         simple = {ast.Add: "+=", ast.Sub: "-=", ast.Mult: "*=", ast.Div: "/="}.get(type(node.op))
@@ -54,6 +55,7 @@ class Assignments(Expressions):
         return found
 
     def assign(self, node: ast.stmt, targets: list[ast.expr], value: ast.expr) -> None:
+        """Translate `x = y = ...`."""
         if (
             len(targets) == 1
             and isinstance(targets[0], ast.Subscript)
@@ -172,14 +174,14 @@ class Assignments(Expressions):
         )
 
     def _starts_with_store(self, name: str, target: ast.Name) -> bool:
-        for n in ast.walk(self.source.tree):
-            if isinstance(n, ast.Name) and n.id == name and n is not target:
-                before = (n.lineno, n.col_offset) < (target.lineno, target.col_offset)
-                if before and isinstance(n.ctx, ast.Store):
-                    return False
+        for n in self.source.uses[name]:
+            before = (n.lineno, n.col_offset) < (target.lineno, target.col_offset)
+            if before and isinstance(n.ctx, ast.Store):
+                return False
         return True
 
     def declare_variable(self, name: str, value: Value, *, hoisted: bool) -> None:
+        """Declare a number with its first value, here or at the start of the function."""
         kind, c_name = kind_of(value), identifier(name)
         assert kind is not None
         self.environment[name] = Scalar(kind, c_name)
@@ -230,12 +232,8 @@ class Assignments(Expressions):
 
     def _name_rows(self, name: str, value: Rows) -> None:
         c_name, root = identifier(name), Root(views=value.root)
-        self.emit(
-            lambda: (
-                f"{'' if root.written else 'const '}{value.struct.name} *const {c_name} = {value.code};"
-            ),
-            c_name,
-        )
+        rest = f"{value.struct.name} *const {c_name} = {value.code};"
+        self.emit(lambda: rest if root.written else f"const {rest}", c_name)
         self.environment[name] = Rows(c_name, value.struct, root)
 
 

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fotsmc_pin.control.controller import LONGEST_TICK, ROUNDNESS, SHORTEST_TICK
 from fotsmc_pin.control.rows import Joints
-from fotsmc_pin.export.dialect import comment, file_identifier, identifier, member_name
+from fotsmc_pin.export.dialect import comment, identifier, member_name
 from fotsmc_pin.export.joints import Turning, joints_of
 from fotsmc_pin.export.law import Law
 from fotsmc_pin.export.layout import STATUSES, assigned, block, notes_of, numbers, struct_lines
+from fotsmc_pin.export.names import ERRORS, INIT, RESET, TAU, UPDATE, Names
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -30,55 +31,6 @@ GROUPS = {
     "work": "What a tick fills anew.",
 }
 """Structs of a law beside its gains."""
-
-
-INIT = "Fill in the gains as they were exported, and begin anew. Call it before all else."
-RESET = "Forget everything but the gains: the next tick is the first."
-UPDATE = (
-    "Advance by one tick.",
-    "",
-    "  q, v           measured configuration and velocity",
-    "  q_d, v_d, a_d  reference: configuration, velocity, acceleration",
-    "  M              mass matrix at q, all of it, row by row (Pinocchio's crba)",
-    "  h              C v + g at q and v (Pinocchio's nonLinearEffects)",
-)
-TAU = (
-    "  dt             measured time since the last tick, or @_DT",
-    "  tau            the torque, written: finite, within the effort limits",
-)
-ERRORS = (
-    "Returns @_OK. Any other status leaves the state as it was, and writes the torque",
-    "of the last tick; the next good tick goes on from there.",
-)
-
-
-@dataclass(frozen=True)
-class Names:
-    """How the parts of a program are called.
-
-    Attributes:
-        prefix: what all public names begin with.
-        state: type of the law's state.
-        functions: what the names of the law's own functions begin with.
-        scope: what stands before them, "static " where a wrapper calls them.
-    """
-
-    prefix: str
-    state: str
-    functions: str
-    scope: str = ""
-
-    @classmethod
-    def of(cls, arm: Arm, *, wrapped: bool) -> Names:
-        """Return the names for an arm."""
-        prefix = f"fotsmc_{file_identifier(arm.name)}"
-        if wrapped:
-            return cls(prefix, f"{prefix}_law", "law", "static ")
-        return cls(prefix, f"{prefix}_state", prefix)
-
-    def status(self, name: str) -> str:
-        """Return a status code."""
-        return f"{self.prefix.upper()}_{name}"
 
 
 class BareLaw:
@@ -277,14 +229,14 @@ class BareLaw:
             f"{self.dialect.real} places[{2 * self.arm.nq}];",
             f"if (!{_call(self.law.read, {'table': 'seen', 'configurations': 'places'})}) {{",
         ]
-        for name, size in _sizes(self.arm).items():
+        for name, count in _sizes(self.arm).items():
             bad = names.status(f"BAD_{name.upper()}")
-            lines.append(f"    if (!are_finite({name}, {size})) {{ return {bad}; }}")
+            lines.append(f"    if (!are_finite({name}, {count})) {{ return {bad}; }}")
         lines.append("}")
         nq = self.arm.nq
         for place, name in ((0, "BAD_Q"), (nq, "BAD_Q_D")):
-            for pair in self.turning.round_checks(self.joints, f"places + {place}", ROUNDNESS):
-                lines.append(f"if (!{pair}) {{ return {names.status(name)}; }}")
+            pairs = self.turning.round_checks(self.joints, f"places + {place}", ROUNDNESS)
+            lines += [f"if (!{pair}) {{ return {names.status(name)}; }}" for pair in pairs]
         if any(joint.turns_on for joint in self.joints):
             places = f"places + {nq}", "places"
             lines += self.turning.difference(self.joints, *places, "seen->e")
@@ -294,14 +246,14 @@ class BareLaw:
         lines.append(f"if (!(dt >= {shortest} && dt <= {longest})) {{ {bad_dt} }}")
         if self.law.controller.uses_model:
             n, bad = self.arm.nv, f"return {names.status('BAD_MODEL')};"
-            size = f"{self.dialect.function('fabs')}(M[i])"
+            size = self.dialect.function("fabs")
             lines += [
                 f"for (int i = 0; i < {n}; i++) {{",
-                f"    if (!({self.dialect.function('fabs')}(h[i]) <= {number(STRONGEST)})) {{ {bad} }}",
+                f"    if (!({size}(h[i]) <= {number(STRONGEST)})) {{ {bad} }}",
                 f"    if (!(M[i * {n + 1}] >= {number(LIGHTEST)})) {{ {bad} }}",
                 "}",
                 f"for (int i = 0; i < {n * n}; i++) {{",
-                f"    if (!({size} <= {number(HEAVIEST)})) {{ {bad} }}",
+                f"    if (!({size}(M[i]) <= {number(HEAVIEST)})) {{ {bad} }}",
                 "}",
             ]
         return [*lines, f"return {names.status('OK')};"]

@@ -73,6 +73,7 @@ class Body(Loops):
         declares: str | None = None,
         first: str | None = None,
     ) -> bool:
+        """Translate a block under its head; return whether it ends with a way out."""
         self.emit(head)
         self.indent += 1
         if first is not None:
@@ -172,8 +173,8 @@ class Body(Loops):
                 assert isinstance(self.result, tuple)
                 results = zip(items, self.result, strict=True)
                 parts = ", ".join(self.converted(item, kind, node) for item, kind in results)
-                name = "results_v1"
-                return f"{{ const {self.program.tuple_type(self.result)} {name} = {{{parts}}}; return {name}; }}"
+                kind = self.program.tuple_type(self.result)
+                return f"{{ const {kind} results_v1 = {{{parts}}}; return results_v1; }}"
 
             self.emit(text)
             return

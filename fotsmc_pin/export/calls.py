@@ -43,7 +43,7 @@ TESTS = {math.isfinite: "isfinite", math.isnan: "isnan", math.isinf: "isinf"}
 class Calls(Memory):
     """Translates calls."""
 
-    def call(self, node: ast.Call, *, alone: bool) -> Value | None:  # type: ignore[override]
+    def call(self, node: ast.Call, *, alone: bool) -> Value | None:
         """Return what a call is worth; None where it returns nothing."""
         if isinstance(node.func, ast.Attribute):
             method = self._method(node)

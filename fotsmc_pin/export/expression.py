@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 import ast
-import operator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from fotsmc_pin.export.calls import Calls
+from fotsmc_pin.export.operators import ARITHMETIC, COMPARISON, FOLDED, without_zero
 from fotsmc_pin.export.values import (
     AND,
     BOOL,
     EQUAL,
     INT,
-    LESS,
     LONG,
     OR,
-    PLUS,
     REAL,
     TERNARY,
-    TIMES,
     UNARY,
     Array,
     Constant,
@@ -30,42 +27,7 @@ from fotsmc_pin.export.values import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from fotsmc_pin.export.values import Value
-
-ARITHMETIC: dict[type[ast.operator], tuple[str, int]] = {
-    ast.Add: ("+", PLUS),
-    ast.Sub: ("-", PLUS),
-    ast.Mult: ("*", TIMES),
-    ast.Div: ("/", TIMES),
-}
-FOLDED: dict[type, Callable[..., Any]] = {
-    ast.Add: operator.add,
-    ast.Sub: operator.sub,
-    ast.Mult: operator.mul,
-    ast.Div: operator.truediv,
-    ast.FloorDiv: operator.floordiv,
-    ast.Mod: operator.mod,
-    ast.Pow: operator.pow,
-    ast.USub: operator.neg,
-    ast.UAdd: operator.pos,
-    ast.Not: operator.not_,
-    ast.Eq: operator.eq,
-    ast.NotEq: operator.ne,
-    ast.Lt: operator.lt,
-    ast.LtE: operator.le,
-    ast.Gt: operator.gt,
-    ast.GtE: operator.ge,
-}
-COMPARISON: dict[type[ast.cmpop], tuple[str, int]] = {
-    ast.Eq: ("==", EQUAL),
-    ast.NotEq: ("!=", EQUAL),
-    ast.Lt: ("<", LESS),
-    ast.LtE: ("<=", LESS),
-    ast.Gt: (">", LESS),
-    ast.GtE: (">=", LESS),
-}
 
 
 class Expressions(Calls):
@@ -103,7 +65,10 @@ class Expressions(Calls):
             case ast.IfExp():
                 return self._choice(node)
             case ast.Call():
-                return self.call(node, alone=alone)
+                result = self.call(node, alone=alone)
+                if result is None:
+                    raise self.source.refuse(node, f"{ast.unparse(node)} returns nothing")
+                return result
             case _:
                 raise self.source.refuse(node, f"{type(node).__name__} has no translation")
 
@@ -181,7 +146,7 @@ class Expressions(Calls):
         if isinstance(node.op, ast.Pow):
             return self._power(node, left, right)
         if self.source.rounds_freely and REAL in kinds:
-            short = _without_zero(node.op, left, right)
+            short = without_zero(node.op, left, right)
             if short is not None:
                 return short
         if isinstance(node.op, ast.FloorDiv | ast.Mod):
@@ -296,16 +261,3 @@ class Expressions(Calls):
         first = self._operand(yes, kind, TERNARY + 1, node)
         second = self._operand(no, kind, TERNARY + 1, node)
         return Scalar(kind, f"{condition.within(TERNARY + 1)} ? {first} : {second}", TERNARY)
-
-
-def _without_zero(op: ast.operator, left: Value, right: Value) -> Value | None:
-    """Return what a sum or product with zero is worth; None where there is no zero."""
-    zeros = [isinstance(x, Constant) and x.value == 0.0 for x in (left, right)]
-    if isinstance(op, ast.Mult) and any(zeros):
-        return Constant(0.0, True)
-    if isinstance(op, ast.Add) and any(zeros):
-        other = right if zeros[0] else left
-        return other if kind_of(other) == REAL else None
-    if isinstance(op, ast.Sub) and zeros[1] and kind_of(left) == REAL:
-        return left
-    return None

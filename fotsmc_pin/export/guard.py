@@ -15,27 +15,12 @@ from fotsmc_pin.control.safety.steps import faded, stopping, too_fast, within_li
 from fotsmc_pin.export.bare import BareLaw
 from fotsmc_pin.export.dialect import comment
 from fotsmc_pin.export.layout import STATUSES, assigned, block
+from fotsmc_pin.export.names import GRAVITY, GUARDED_INIT, GUARDED_RESET, RESULT, STOP, STOPS
 from fotsmc_pin.export.values import Array, Root, Scalar
 
 if TYPE_CHECKING:
     from fotsmc_pin.control import Safeguard
     from fotsmc_pin.export.program import Program
-
-STOPS = (
-    ("STOPPED", "a safe stop was asked for"),
-    ("TOO_LATE", "a tick came later than the watchdog allows"),
-    ("TOO_FAST", "a joint was faster than it may be"),
-)
-"""Why a safe stop is on, beside the status codes of the law."""
-
-INIT = "Fill in gains and limits as they were exported, and begin anew. Call it before all else."
-RESET = "End a stop and forget everything but gains and limits: the next tick is the first."
-STOP = "Begin a safe stop; the next tick is its first."
-GRAVITY = "  g              gravity at q (Pinocchio's computeGeneralizedGravity)"
-RESULT = (
-    "Returns @_OK while all is well. Any other status tells why a safe stop is on: tau",
-    "then leads over to gravity compensation and damping. Only a reset ends it.",
-)
 
 
 class GuardedLaw:
@@ -118,8 +103,8 @@ class GuardedLaw:
         state = f"{prefix}_state *state"
         arguments = self.bare.arguments(state, f"const {real} g[{self._n}]")
         return [
-            (f"void {prefix}_init({state})", INIT),
-            (f"void {prefix}_reset({state})", RESET),
+            (f"void {prefix}_init({state})", GUARDED_INIT),
+            (f"void {prefix}_reset({state})", GUARDED_RESET),
             (f"void {prefix}_stop({state})", STOP),
             (f"int {prefix}_update({arguments})", self.bare.update_note(GRAVITY, ends=RESULT)),
         ]
@@ -211,14 +196,14 @@ class GuardedLaw:
 
         lines = [
             stop_unless(f"are_finite(v, {n})", "BAD_V"),
-            f"if ({fast}(v, state->fastest)) {{ begin_stop(state, {status('TOO_FAST')}); return; }}",
+            stop_unless(f"!{fast}(v, state->fastest)", "TOO_FAST").replace("!!", ""),
             stop_unless(f"are_finite(q, {self.arm.nq})", "BAD_Q"),
             stop_unless(f"are_finite(q_d, {self.arm.nq})", "BAD_Q_D"),
             stop_unless(f"are_finite(g, {n})", "BAD_MODEL"),
         ]
         for name in ("q", "q_d"):
-            for pair in bare.turning.round_checks(bare.joints, name, ROUNDNESS):
-                lines.append(stop_unless(pair, f"BAD_{name.upper()}"))
+            pairs = bare.turning.round_checks(bare.joints, name, ROUNDNESS)
+            lines += [stop_unless(pair, f"BAD_{name.upper()}") for pair in pairs]
         offset = bare.turning.difference(bare.joints, "q_d", "q", "state->offset")
         moved = bare.turning.sum(bare.joints, "q_d", "way", "led_q")
         lines += [
@@ -240,7 +225,8 @@ class GuardedLaw:
             "led_v, led_a, way);",
             *(f"    {line}" for line in moved),
             "}",
-            "const int status = law_update(&state->law, q, v, led_q, led_v, led_a, M, h, dt, sent);",
+            "const int status =",
+            "    law_update(&state->law, q, v, led_q, led_v, led_a, M, h, dt, sent);",
             f"if (status != {status('OK')}) {{ begin_stop(state, status); return; }}",
         ]
         if self._has_friction:

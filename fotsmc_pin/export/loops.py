@@ -24,20 +24,19 @@ class Loops(Assignments):
         """Translate a block under its head; return whether it ends with a way out."""
 
     def loop(self, node: ast.For) -> bool:
+        """Translate `for`; such a loop is never a way out."""
         if not isinstance(node.target, ast.Name) or node.orelse:
             raise self.source.refuse(node, "`for` with several targets or with `else`")
         name, loops = node.target.id, self.counting
-        inside = {id(n) for n in ast.walk(node)}
         if name in loops or any(
             isinstance(n, ast.Name) and n.id == name and isinstance(n.ctx, ast.Store)
             for statement in node.body
             for n in ast.walk(statement)
         ):
             raise self.source.refuse(node, f"{name}, which counts the loop, is assigned in it")
-        for other in ast.walk(self.source.tree):
-            if isinstance(other, ast.Name) and other.id == name and id(other) not in inside:
-                if not self._counts_elsewhere(other, name):
-                    raise self.source.refuse(other, f"{name} is used outside the loop over it")
+        for other in self.source.uses[name]:
+            if id(other) not in self.source.counted:
+                raise self.source.refuse(other, f"{name} is used outside the loop over it")
         before = self.environment.get(name)
         counted = self._range(node)
         if counted is not None:
@@ -111,8 +110,7 @@ class Loops(Assignments):
 
     def _stays_inside(self, name: str, node: ast.For) -> bool:
         inside = {id(n) for n in ast.walk(node)}
-        same = [n for n in ast.walk(self.source.tree) if isinstance(n, ast.Name) and n.id == name]
-        return all(id(n) in inside for n in same)
+        return all(id(n) in inside for n in self.source.uses[name])
 
     def _known_bounds(self, node: ast.For) -> tuple[int, int] | None:
         call = node.iter
@@ -123,15 +121,6 @@ class Loops(Assignments):
             return None
         numbers = [b.value for b in bounds if isinstance(b, Constant)]
         return (0, numbers[0]) if len(numbers) == 1 else (numbers[0], numbers[1])
-
-    def _counts_elsewhere(self, other: ast.Name, name: str) -> bool:
-        return any(
-            isinstance(loop, ast.For)
-            and isinstance(loop.target, ast.Name)
-            and loop.target.id == name
-            and any(n is other for n in ast.walk(loop))
-            for loop in ast.walk(self.source.tree)
-        )
 
     def _range(self, node: ast.For) -> tuple[str, str] | None:
         """Return the head of a loop and the kind of its counter; None where it never runs."""

@@ -163,8 +163,8 @@ class Program:
         text = body.code
         declared = []
         for k, (name, value) in enumerate(function.arguments):
-            known = isinstance(value, Constant) or getattr(value, "data", None) is not None
-            if not known and re.search(rf"\b{name}\b", text):
+            fixed = isinstance(value, Constant) or getattr(value, "data", None) is not None
+            if not fixed and re.search(rf"\b{name}\b", text):
                 function.kept.append(k)
                 declared.append(self._declared(name, value))
                 root = getattr(value, "root", None)

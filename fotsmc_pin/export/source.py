@@ -9,6 +9,7 @@ import io
 import textwrap
 import tokenize
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -30,6 +31,8 @@ class Source:
         scope: what its global names and those of the functions around it mean.
         stored: how often each name is assigned.
         places: for each name that is assigned, the places where it occurs (see `_places`).
+        uses: the nodes of each name.
+        counted: identities of the nodes of a name that stand in a loop over it.
     """
 
     function: Any
@@ -39,8 +42,11 @@ class Source:
     scope: Mapping[str, Any]
     stored: Mapping[str, int]
     places: Mapping[str, list[tuple[tuple[int, int], ...]]]
+    uses: Mapping[str, list[ast.Name]]
+    counted: frozenset[int]
 
     @classmethod
+    @cache
     def of(cls, function: Any) -> Source:
         """Read a kernel.
 
@@ -61,7 +67,17 @@ class Source:
         cells = zip(plain.__code__.co_freevars, plain.__closure__ or (), strict=True)
         scope = {**vars(builtins), **plain.__globals__, **{n: c.cell_contents for n, c in cells}}
         free = bool(getattr(function, "targetoptions", {}).get("fastmath"))
-        return cls(plain, tree, free, _comments(text), scope, _stored(tree), _places(tree))
+        return cls(
+            plain,
+            tree,
+            free,
+            _comments(text),
+            scope,
+            _stored(tree),
+            _places(tree),
+            _uses(tree),
+            _counted(tree),
+        )
 
     def refuse(self, node: ast.AST | None, construct: str) -> TranslationError:
         """Return the error that names file, line and construct."""
@@ -112,4 +128,23 @@ def _places(tree: ast.FunctionDef) -> dict[str, list[tuple[tuple[int, int], ...]
                     visit(b, here)
 
     visit(tree.body, ())
-    return {name: places for name, places in found.items() if name in _stored(tree)}
+    stored = _stored(tree)
+    return {name: places for name, places in found.items() if name in stored}
+
+
+def _uses(tree: ast.FunctionDef) -> dict[str, list[ast.Name]]:
+    found: dict[str, list[ast.Name]] = {}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Name):
+            found.setdefault(node.id, []).append(node)
+    return found
+
+
+def _counted(tree: ast.FunctionDef) -> frozenset[int]:
+    return frozenset(
+        id(node)
+        for loop in ast.walk(tree)
+        if isinstance(loop, ast.For) and isinstance(loop.target, ast.Name)
+        for node in ast.walk(loop)
+        if isinstance(node, ast.Name) and node.id == loop.target.id
+    )

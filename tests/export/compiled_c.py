@@ -13,7 +13,7 @@ from fotsmc_pin.control.arguments import LARGEST
 
 STRICT = ("-std=c99", "-O2", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
 EXACT = "-ffp-contract=off"
-"""No multiplication is joined with an addition, so that numbers can be compared to the last bits."""
+"""Products and sums are rounded one by one, so that numbers can be compared to the last bits."""
 
 SHIM = """
 #include <stddef.h>
@@ -43,7 +43,16 @@ void shim_replay(
 
 def compile_shared(sources, target, *flags, compiler="gcc"):
     """Compile C into a shared library."""
-    command = [compiler, *flags, *([] if "-c" in flags else ["-fPIC", "-shared"]), *map(str, sources), "-o", str(target), "-lm"]
+    shared = [] if "-c" in flags else ["-fPIC", "-shared"]
+    command = [
+        compiler,
+        *flags,
+        *shared,
+        *map(str, sources),
+        "-o",
+        str(target),
+        "-lm",
+    ]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert not done.returncode, done.stderr[:4000]
     return target
@@ -66,7 +75,7 @@ class Inputs:
 
 
 def terms(arm, law, q, v):
-    """Return `M`, `h` and `g` as a caller of C would compute them, from the numbers that a law sees."""
+    """Return `M`, `h` and `g` as a caller of C computes them."""
     if not (np.isfinite(q).all() and np.isfinite(v).all()):
         bad = np.full(arm.nv, np.nan)
         return np.full((arm.nv, arm.nv), np.nan), bad, bad

@@ -5,7 +5,7 @@ import os
 import subprocess
 import sys
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 import pytest
@@ -91,14 +91,18 @@ class UsersLaw(Controller[UsersGains]):
     """A law of one's own."""
 
     Gains, State, Work = UsersGains, UsersState, UsersWork
-    streams = {"memory": lambda g, dt: fp.FractionalIntegral(order=g.alpha, dt=dt, scheme="quadratic")}
+    streams: ClassVar = {
+        "memory": lambda g, dt: fp.FractionalIntegral(order=g.alpha, dt=dt, scheme="quadratic")
+    }
 
     def start(self):
         self.state.z[:] = 0.25
 
     @staticmethod
     @kernel
-    def tick(dt: float, table: Array, M0: Array, h0: Array, memory: Array, memory_memory: Array) -> None:
+    def tick(
+        dt: float, table: Array, M0: Array, h0: Array, memory: Array, memory_memory: Array
+    ) -> None:
         x, g, m, w = rows(table, UsersGains, UsersState, UsersWork)
         n = x.e.size
         advance(memory, memory_memory, x.e, dt, w.slow)
@@ -128,7 +132,7 @@ def test_a_users_law_needs_no_more_work(name, compiled):
 
 @kernel
 def prints(x: float) -> float:
-    print(x)
+    print(x)  # noqa: T201
     return x
 
 
@@ -136,7 +140,7 @@ def prints(x: float) -> float:
 def counts_down(x: float) -> float:
     y = 1
     y = x
-    return y
+    return y  # noqa: RET504
 
 
 @kernel
@@ -151,7 +155,7 @@ def whole_arrays(x: Array) -> None:
 
 @kernel
 def a_list(x: Array) -> float:
-    return sum([value for value in x])
+    return sum([value for value in x])  # noqa: C416
 
 
 @kernel
@@ -161,7 +165,7 @@ def out_of_bounds(x: Array) -> float:
 
 @kernel
 def falls_through(x: float) -> float:
-    if x > 0.0:
+    if x > 0.0:  # noqa: RET503
         return x
 
 
