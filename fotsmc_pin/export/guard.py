@@ -269,6 +269,7 @@ class GuardedLaw:
             *bare.turning.round_checks(bare.joints, "q", ROUNDNESS),
         ]
         more = f"(state->stop_ramp > {zero} ? period / state->stop_ramp : {one})"
+        ok = status("OK")
         return [
             f"{real} period = dt;",
             f"if (!(dt > {zero} && dt <= state->watchdog)) {{",
@@ -277,10 +278,10 @@ class GuardedLaw:
             "}",
             f"{real} sent[{n}];",
             f"for (int i = 0; i < {n}; i++) {{ sent[i] = state->tau[i]; }}",
-            f"if (state->stopped == {status('OK')}) {{",
+            f"if (state->stopped == {ok}) {{",
             "    follow(state, q, v, q_d, v_d, a_d, M, h, g, dt, sent);",
             "}",
-            f"if (state->stopped != {status('OK')}) {{",
+            f"if (state->stopped != {ok}) {{",
             f"    const bool seen = {' && '.join(seen)};",
             f"    {real} speed[{n}];",
             f"    for (int i = 0; i < {n}; i++) {{ speed[i] = seen ? v[i] : {zero}; }}",

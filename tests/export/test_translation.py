@@ -163,9 +163,9 @@ def out_of_bounds(x: Array) -> float:
     return x[3]
 
 
-@kernel
+@kernel  # noqa: RET503
 def falls_through(x: float) -> float:
-    if x > 0.0:  # noqa: RET503
+    if x > 0.0:
         return x
 
 
