@@ -12,6 +12,8 @@ import fotsmc_pin as fp
 from fotsmc_pin.control.arguments import LARGEST
 
 STRICT = ("-std=c99", "-O2", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
+UNDEFINED = ("-fsanitize=undefined", "-fno-sanitize-recover=all")
+"""What C does not define ends the process."""
 EXACT = "-ffp-contract=off"
 """Products and sums are rounded one by one, so that numbers can be compared to the last bits."""
 
@@ -121,7 +123,7 @@ class Logged:
 class CompiledC:
     """An exported controller, compiled into a shared library."""
 
-    def __init__(self, controller, folder, *, single=False, flags=STRICT, compiler="gcc"):
+    def __init__(self, controller, folder, *, single=False, flags=(*STRICT, *UNDEFINED), compiler="gcc"):
         self.arm = controller.arm
         self.header, self.source = fp.export_c(controller, folder, single=single)
         self.prefix = self.header.stem

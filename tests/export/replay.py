@@ -17,7 +17,7 @@ from fotsmc_pin.control import CONTROLLERS
 from fotsmc_pin.evaluation.stress.cases import chosen_cases
 from fotsmc_pin.paper import two_link
 
-from .compiled_c import CompiledC, Logged
+from .compiled_c import STRICT, CompiledC, Logged
 
 EXACT = 1e-12
 ARMS = ("two_link", "panda", "ur3", "ur5", "ur10", "kinova", "xarm7", "z1", "so100", "asr_twodof")
@@ -44,7 +44,7 @@ def compare(law, preset, arm, dt, run):
             return f"did not run: {error}"
     inputs = log.inputs
     with tempfile.TemporaryDirectory() as folder:
-        tau, status = CompiledC(log.law, folder).replay(inputs)
+        tau, status = CompiledC(log.law, folder, flags=STRICT).replay(inputs)
     size = np.linalg.norm(inputs.tau, axis=1)
     error = np.linalg.norm(tau - inputs.tau, axis=1)
     relative = error / np.maximum(size, 1e-300)

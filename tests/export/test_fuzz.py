@@ -14,7 +14,7 @@ from .conftest import DT, arm_named, make
 
 ARGUMENTS = ("q", "v", "q_d", "v_d", "a_d", "dt")
 BAD_MODEL = 7
-LAWS = ("RobustFONFTSM", "AdaptiveFONFTSM", "TerminalSMC", "TDEFONTSM")
+LAWS = ("RobustFONFTSM", "AdaptiveFONFTSM")
 
 anything = st.one_of(
     st.floats(-3.0, 3.0),
@@ -38,7 +38,7 @@ models = st.lists(
     max_size=6,
 )
 fuzz = settings(
-    max_examples=25,
+    max_examples=12,
     deadline=None,
     derandomize=True,
     suppress_health_check=[HealthCheck.function_scoped_fixture],
@@ -96,7 +96,7 @@ def test_any_model(name, single, compiled):
             tau, status = c.update(q, v, q_d, v_d, a_d, M, h, h, DT)
             assert status in (0, BAD_MODEL)
             good = np.isfinite(M).all() and np.isfinite(h).all() and (np.diag(M) > 0.0).all()
-            assert status or good or name == "TDEFONTSM"
+            assert status or good
             assert np.isfinite(tau).all()
             assert (np.abs(tau) <= arm.effort_limit * (1.0 + 1e-6 * single)).all()
 

@@ -233,11 +233,11 @@ def test_the_files_are_the_same_in_every_process(tmp_path):
 def test_it_is_small_and_asks_for_no_memory(law, tmp_path, compiled):
     guard = fp.Safeguard(law(arm_named("panda"), DT, preset=[*law.presets][-1]))
     c = compiled(guard)
-    assert c.size < 16 * 1024
+    assert c.size < 12 * 1024
     target = compile_shared([c.source], tmp_path / "x.o", "-std=c99", "-O2", "-c")
     sizes = subprocess.run(["size", target], check=True, capture_output=True, text=True).stdout
     text, data, bss = (int(word) for word in sizes.splitlines()[1].split()[:3])
-    assert text < 64 * 1024
+    assert text < 32 * 1024
     assert data == bss == 0
     symbols = subprocess.run(["nm", target], check=True, capture_output=True, text=True).stdout
     asked = {line.split()[-1] for line in symbols.splitlines() if " U " in line}
