@@ -51,6 +51,7 @@ from .identification import (
 )
 from .evaluation.studies import ClosedLoop as ClosedLoop, StudyResult as StudyResult, study as study
 from .evaluation.stress import stress as stress
+from .export import export_c as export_c
 from .realtime import run_realtime as run_realtime
 from .view import export_html as export_html, plot as plot
 

@@ -8,6 +8,7 @@ costs as much as the arithmetic. `specialized` does so once, for arrays that the
 from __future__ import annotations
 
 import hashlib
+import inspect
 import sys
 import warnings
 from functools import cache, partial
@@ -92,6 +93,13 @@ def restricted(function: Function, *examples: Any) -> Function:
         specialized(function, *examples)
         kernel.disable_compile()
     return function
+
+
+def is_kernel(function: Any) -> bool:
+    """Return whether a function was made by `kernel`; with compilation off, whether it may be."""
+    if numba.config.DISABLE_JIT:
+        return inspect.isfunction(function)
+    return hasattr(function, "py_func") and hasattr(function, "overloads")
 
 
 def _importable(function: Any) -> bool:

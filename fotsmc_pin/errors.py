@@ -42,6 +42,10 @@ class DeclarationError(FotsmcError, TypeError):
     """The declarations of a control law contradict each other; raised when its class is defined."""
 
 
+class TranslationError(FotsmcError, ValueError):
+    """A kernel contains what is not translated to C; the message names file, line and construct."""
+
+
 class ArmNotFoundError(FotsmcError, FileNotFoundError):
     """There is no arm of this name, and no file at this path."""
 

@@ -37,6 +37,7 @@ MAY_IMPORT = {
     "learning": BELOW_ANALYSIS | {"analysis"},
     "evaluation": BELOW_ANALYSIS | {"analysis", "learning"},
     "identification": BELOW_ANALYSIS | {"analysis", "learning"},
+    "export": {"fractional", "arms", "control", "learning"},
     "view": BELOW_VIEW,
     "paper": BELOW_VIEW | {"view"},
 }

@@ -10,6 +10,7 @@ import typer
 from fotsmc_pin.cli.animate import animate
 from fotsmc_pin.cli.arms import arms_command
 from fotsmc_pin.cli.excite import excite
+from fotsmc_pin.cli.export import export_command
 from fotsmc_pin.cli.identify import identify_command
 from fotsmc_pin.cli.inspect import inspect_command
 from fotsmc_pin.cli.margins import margins_command
@@ -56,6 +57,7 @@ app.command("excite", cls=PlainCommand)(excite)
 app.command("identify", cls=PlainCommand)(identify_command)
 app.command("payload", cls=PlainCommand)(payload_command)
 app.command("margins", cls=PlainCommand)(margins_command)
+app.command("export", cls=PlainCommand)(export_command)
 app.command("perturb", cls=PlainCommand)(perturb_command)
 app.command("stress", cls=PlainCommand)(stress)
 app.command("tune", cls=PlainCommand)(tune)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fotsmc_pin import checks
+from fotsmc_pin.compiled import kernel
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -52,6 +54,14 @@ class FrictionCompensation:
 
     def torque(self, v_d: ArrayLike) -> Array:
         """Return the torque (nv,) that friction will ask for at the desired speed (nv,)."""
-        v_d = np.asarray(v_d, dtype=np.float64)
-        torque: Array = self.friction * np.tanh(v_d / self.width) + self.damping * v_d
+        speed = np.array(v_d, dtype=np.float64)
+        torque = np.zeros(speed.size)
+        add_friction(speed, self.friction, self.damping, self.width, torque)
         return torque
+
+
+@kernel
+def add_friction(v_d: Array, friction: Array, damping: Array, width: float, tau: Array) -> None:
+    """Add `F tanh(v_d / width) + D v_d`, which friction will ask for, to the torque `tau` (nv,)."""
+    for i in range(tau.size):
+        tau[i] += friction[i] * math.tanh(v_d[i] / width) + damping[i] * v_d[i]

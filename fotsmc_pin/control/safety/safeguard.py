@@ -9,6 +9,7 @@ import numpy as np
 
 from fotsmc_pin import checks
 from fotsmc_pin.control.safety.soft_start import SoftStart
+from fotsmc_pin.control.safety.steps import stopping, too_fast, within_limits, within_rate
 from fotsmc_pin.control.saved_state import part, present, with_prefix
 from fotsmc_pin.copying import SharesNothing
 from fotsmc_pin.errors import MeasurementError
@@ -21,9 +22,6 @@ if TYPE_CHECKING:
     from fotsmc_pin.control.friction_compensation import FrictionCompensation
     from fotsmc_pin.control.safety.guarded import Guarded
     from fotsmc_pin.types import Array
-
-SETTLING = 10.0
-"""Damping of the safe stop over the joint's inertia: speed dies in a tenth of a second [1/s]."""
 
 
 class Safeguard(SharesNothing):
@@ -170,11 +168,12 @@ class Safeguard(SharesNothing):
         tau = self._guarded(q, v, q_d, v_d, a_d, period, dt)
         if self.stopped is not None:
             tau = self._safe_stop(q, v, period)
+        sent = np.array(tau, dtype=np.float64)
         if self._rate is not None:
-            step = self._rate * period
-            tau = np.clip(tau, self._tau - step, self._tau + step)
-        self._tau = np.clip(tau, -self.arm.effort_limit, self.arm.effort_limit)
-        return self._tau.copy()
+            within_rate(sent, self._tau, self._rate, period)
+        within_limits(sent, self.arm.effort_limit)
+        self._tau = sent
+        return sent.copy()
 
     def _guarded(
         self, q: Any, v: Any, q_d: Any, v_d: Any, a_d: Any, period: float, dt: float | None
@@ -184,7 +183,7 @@ class Safeguard(SharesNothing):
             return self._tau
         try:
             speed = checks.finite_vector("v", v, self.arm.nv)
-            if (np.abs(speed) > self._fastest).any():
+            if too_fast(speed, self._fastest):
                 joint = self.arm.joint_names[int(np.argmax(np.abs(speed) - self._fastest))]
                 self.stop(f"{joint} is faster than its limit allows")
                 return self._tau
@@ -203,14 +202,14 @@ class Safeguard(SharesNothing):
         try:
             place = checks.finite_vector("q", q, self.arm.nq)
             speed = checks.finite_vector("v", v, self.arm.nv)
-            speed = np.clip(speed, -self._fastest, self._fastest)
             self._q = place
         except ValueError:
             speed = np.zeros(self.arm.nv)
         if self._q is None:
             return np.zeros(self.arm.nv)
-        damping = SETTLING * np.diag(self.arm.mass_matrix(self._q))
-        rest = self.arm.gravity(self._q) - damping * speed
+        weight, inertia = self.arm.gravity(self._q), np.diag(self.arm.mass_matrix(self._q)).copy()
         self._ramp = min(1.0, self._ramp + (period / self.stop_ramp if self.stop_ramp else 1.0))
-        torque: Array = (1.0 - self._ramp) * self._before_stop + self._ramp * rest
+        torque = np.zeros(self.arm.nv)
+        last, fastest = self._before_stop, self._fastest
+        stopping(self._ramp, last, weight, inertia, speed, fastest, torque)
         return torque

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fotsmc_pin import checks
+from fotsmc_pin.control.safety.steps import faded
 from fotsmc_pin.control.saved_state import present
 from fotsmc_pin.copying import SharesNothing
 
@@ -81,20 +82,9 @@ class SoftStart(SharesNothing):
             self._offset = self.arm.difference(q_d, q), np.subtract(v, v_d)
         else:
             self._t += dt
-        T = self.duration
-        if self._t >= T:
+        if self._t >= self.duration:
             return q_d, v_d, a_d
-        u = self._t / T
         e, e_dot = self._offset
-        e_dot = T * e_dot
-        p = 1.0 - u**3 * (10.0 - 15.0 * u + 6.0 * u * u)
-        r = u - u**3 * (6.0 - 8.0 * u + 3.0 * u * u)
-        p_dot = -30.0 * u * u * (1.0 - u) ** 2
-        r_dot = 1.0 - u * u * (18.0 - 32.0 * u + 15.0 * u * u)
-        p_ddot = -60.0 * u * (1.0 - u) * (1.0 - 2.0 * u)
-        r_ddot = -u * (36.0 - 96.0 * u + 60.0 * u * u)
-        return (
-            self.arm.integrate(q_d, e * p + e_dot * r),
-            v_d + (e * p_dot + e_dot * r_dot) / T,
-            a_d + (e * p_ddot + e_dot * r_ddot) / T**2,
-        )
+        way, v_led, a_led = np.empty_like(e), np.array(v_d, float), np.array(a_d, float)
+        faded(self._t, self.duration, e, e_dot, v_led, a_led, way)
+        return self.arm.integrate(q_d, way), v_led, a_led

@@ -1,0 +1,48 @@
+"""`fotsmc export`: a tuned controller as C."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from fotsmc_pin.cli.arm_options import ArmName, ArmOptions
+from fotsmc_pin.cli.groups import with_groups
+from fotsmc_pin.cli.law_options import LawOptions
+from fotsmc_pin.cli.output import Force, result_folder, say
+
+
+@with_groups
+def export_command(
+    arm: ArmName,
+    *,
+    out: Annotated[Path, typer.Option("--out", "-o", help="Folder for the two files.")],
+    arm_options: ArmOptions,
+    law: LawOptions,
+    dt: Annotated[float, typer.Option(help="Nominal period of a tick [s].")] = 1e-3,
+    guarded: Annotated[
+        bool,
+        typer.Option("--safeguard", help="With soft start, watchdog and safe stop around the law."),
+    ] = False,
+    torque_rate: Annotated[
+        float | None,
+        typer.Option(help="With --safeguard: largest rate of each torque [N·m/s, N/s]."),
+    ] = None,
+    single: Annotated[
+        bool, typer.Option("--float", help="Numbers of single precision in place of double.")
+    ] = False,
+    force: Force = False,
+) -> None:
+    """Write a controller as C99 that needs math.h alone, for loops in hard real time."""
+    from fotsmc_pin.control import Safeguard
+    from fotsmc_pin.errors import ArgumentError
+    from fotsmc_pin.export import export_c
+
+    if torque_rate is not None and not guarded:
+        raise ArgumentError("--torque-rate", torque_rate, "give --safeguard too, whose limit it is")
+    controller = law.make(arm_options.load(arm), dt)
+    folder = result_folder(out, force=force)
+    written = Safeguard(controller, torque_rate=torque_rate) if guarded else controller
+    header, source = export_c(written, folder, single=single)
+    say(f"Written to {header} and {source}; the header says how to call it.")

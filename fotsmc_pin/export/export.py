@@ -1,0 +1,47 @@
+"""`export_c`: a controller as two files of C99."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from fotsmc_pin.control import Controller, Safeguard
+from fotsmc_pin.errors import ArgumentError
+from fotsmc_pin.export.files import Files
+from fotsmc_pin.files import write_text
+
+if TYPE_CHECKING:
+    import os
+
+
+def export_c(
+    controller: Controller | Safeguard, folder: str | os.PathLike[str], *, single: bool = False
+) -> tuple[Path, Path]:
+    """Write a controller as C99, for loops in hard real time.
+
+    The C is translated from the law's own kernels, also those of a law that a user wrote. It needs
+    `math.h` alone, allocates nothing and keeps everything in a struct of the caller. The same
+    controller gives the same files, byte for byte.
+
+    Args:
+        controller: a control law, or a `Safeguard` around one; it stays as it is.
+        folder: where the files go: `fotsmc_<arm>.h` and `fotsmc_<arm>.c`.
+        single: write `float` in place of `double`, for processors that have no other.
+
+    Returns:
+        The header and the program.
+
+    Raises:
+        ArgumentError: what is given is no controller, or an arm has a joint of several axes.
+        TranslationError: a kernel contains what is not translated; the message names the place.
+    """
+    if not isinstance(controller, Controller | Safeguard):
+        raise ArgumentError("controller", controller, "give a control law or a Safeguard")
+    if isinstance(controller, Safeguard) and not isinstance(controller.controller, Controller):
+        raise ArgumentError("controller", controller, "give a Safeguard around a control law")
+    files = Files(controller, single=single)
+    source, header = files.source(), files.header()
+    paths = Path(folder) / f"{files.prefix}.h", Path(folder) / f"{files.prefix}.c"
+    for path, text in zip(paths, (header, source), strict=True):
+        write_text(path, text)
+    return paths

@@ -1,0 +1,101 @@
+"""A safeguard in C starts, limits and stops as Python's does."""
+
+import numpy as np
+import pytest
+
+import fotsmc_pin as fp
+from fotsmc_pin.control import FrictionCompensation
+from fotsmc_pin.references import Sinusoid
+
+from .compiled_c import Logged
+from .conftest import DT, arm_named, worst
+
+EXACT = 1e-12
+OK, STOPPED, TOO_LATE, TOO_FAST = 0, 8, 9, 10
+
+
+def guarded(name, **options):
+    arm = arm_named(name)
+    ahead = FrictionCompensation(arm, friction=0.3, damping=0.1)
+    options = {"soft_start": 0.1, "torque_rate": 400.0, "stop_ramp": 0.05} | options
+    return fp.Safeguard(fp.RobustFONFTSM(arm, DT), friction_compensation=ahead, **options)
+
+
+def run(guard, ticks=200, spoil=lambda k, row: row):
+    """Drive a safeguard near a reference; `spoil` changes single ticks."""
+    arm = guard.arm
+    reference, log = Sinusoid.inside_limits(arm, ramp=0.1), Logged(guard)
+    log.reset()
+    for k in range(ticks):
+        q_d, v_d, a_d = reference(k * DT)
+        e = 0.03 * np.exp(-10.0 * k * DT) * np.cos(np.arange(arm.nv))
+        row = [arm.integrate(q_d, e), v_d - 10.0 * e, q_d, v_d, a_d, None]
+        log.update(*spoil(k, row))
+    return log.inputs
+
+
+def changed(tick, place, value):
+    def spoil(k, row):
+        if k == tick:
+            row[place] = value(row[place]) if callable(value) else value
+        return row
+
+    return spoil
+
+
+def broken(x):
+    return np.full_like(x, np.nan)
+
+
+STOPS = {
+    "none": (lambda k, row: row, OK),
+    "late": (changed(120, 5, 0.05), TOO_LATE),
+    "fast": (changed(120, 1, lambda v: v + 100.0), TOO_FAST),
+    "blind": (changed(120, 0, broken), 1),
+    "blind for long": (lambda k, row: changed(k if 120 <= k < 150 else -1, 1, broken)(k, row), 2),
+    "blind from the start": (changed(0, 0, broken), 1),
+    "no reference": (changed(120, 2, broken), 3),
+    "short tick": (changed(120, 5, 1e-9), 6),
+}
+
+
+@pytest.mark.parametrize("name", ["kinova", "two_link"])
+@pytest.mark.parametrize("why", STOPS)
+def test_it_stops_as_pythons_does(why, name, compiled):
+    spoil, code = STOPS[why]
+    guard = guarded(name)
+    inputs = run(guard, spoil=spoil)
+    tau, status = compiled(guarded(name)).replay(inputs)
+    assert (guard.stopped is None) == (code == OK)
+    assert set(status) <= {OK, code}
+    assert status[-1] == code
+    assert worst(tau, inputs) < EXACT
+    assert (np.abs(np.diff(tau, axis=0)) <= 400.0 * 0.05 * 1.001).all()
+
+
+def test_a_stop_can_be_asked_for_and_a_reset_ends_it(compiled):
+    guard = guarded("two_link")
+    inputs = run(guard, ticks=60)
+    c = compiled(guarded("two_link"))
+    first, _ = c.replay(inputs)
+    c.reset()
+    c.replay(inputs)
+    c.code.fotsmc_two_link_stop(c.state)
+    tau, status = c.replay(inputs)
+    assert set(status) == {STOPPED}
+    log = Logged(guard)
+    guard.stop()
+    for row in zip(inputs.q, inputs.v, inputs.q_d, inputs.v_d, inputs.a_d, strict=True):
+        log.update(*row)
+    assert worst(tau, log.inputs) < EXACT
+    c.reset()
+    again, status = c.replay(inputs)
+    assert not status.any()
+    assert again.tobytes() == first.tobytes()
+
+
+def test_in_single_precision(compiled):
+    inputs = run(guarded("panda", soft_start=0.05))
+    tau, status = compiled(guarded("panda", soft_start=0.05), single=True).replay(inputs)
+    assert not status.any()
+    assert (np.abs(tau - inputs.tau) / np.abs(inputs.tau).max(axis=0)).max() < 1e-4
