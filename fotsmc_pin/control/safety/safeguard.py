@@ -10,7 +10,7 @@ import numpy as np
 from fotsmc_pin import checks
 from fotsmc_pin.control.safety.soft_start import SoftStart
 from fotsmc_pin.control.saved_state import part, present, with_prefix
-from fotsmc_pin.copying import SharesNothing
+from fotsmc_pin.control.wrapper import Wrapper
 from fotsmc_pin.errors import MeasurementError
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ SETTLING = 10.0
 """Damping of the safe stop over the joint's inertia: speed dies in a tenth of a second [1/s]."""
 
 
-class Safeguard(SharesNothing):
+class Safeguard(Wrapper):
     """Wraps a controller: soft start, torque-rate limit, watchdog and safe stop.
 
     It has the face of a controller (`dt`, `update`, `reset`, `signals`) and works with all of them.
@@ -87,18 +87,8 @@ class Safeguard(SharesNothing):
     @property
     def signals(self) -> dict[str, Array]:
         """The controller's signals."""
-        return self.controller.signals
-
-    @property
-    def gains(self) -> Any:
-        """The controller's gains."""
-        return self.controller.gains
-
-    @property
-    def about(self) -> dict[str, Any]:
-        """What the controller says of itself for a recording's metadata."""
-        about: dict[str, Any] = getattr(self.controller, "about", {})
-        return about
+        signals: dict[str, Array] = self.controller.signals
+        return signals
 
     def reset(self) -> None:
         """End a stop and begin anew, softly, from wherever the arm is."""
@@ -189,7 +179,7 @@ class Safeguard(SharesNothing):
                 self.stop(f"{joint} is faster than its limit allows")
                 return self._tau
             target = self._lead.lead(q, speed, q_d, v_d, a_d, period)
-            tau = self.controller.update(q, speed, *target, dt=dt)
+            tau: Array = self.controller.update(q, speed, *target, dt=dt)
         except (MeasurementError, ValueError) as error:
             self.stop(f"measurement: {error}")
             return self._tau
