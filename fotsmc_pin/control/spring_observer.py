@@ -109,9 +109,8 @@ class SpringObserver(Wrapper):
         Raises:
             ArgumentError: naming the argument, its value and the remedy.
         """
-        if not hasattr(controller, "live_signals"):
-            remedy = "give a control law, or ModelLearning around one; Safeguard goes around this"
-            raise ArgumentError("controller", type(controller).__name__, remedy)
+        remedy = "give a control law, or what wraps one"
+        checks.instance("controller", controller, (Controller, Wrapper), remedy)
         self.controller, self.arm, self.dt = controller, controller.arm, controller.dt
         n = self.arm.nv
         self.joint_stiffness = checks.per_joint(
@@ -203,11 +202,11 @@ class SpringObserver(Wrapper):
         pin.crba(self._links, self._data, q)
         pin.nonLinearEffects(self._links, self._data, q, self._v)
         self._code(period, *self._arguments)
-        place = (
-            q + self._lead[0]
-            if self.arm.is_euclidean
-            else pin.integrate(self._links, q, self._lead[0])
-        )
+        place, lead = q, self._lead[0]
+        if self.arm.is_euclidean:
+            place = q + lead
+        elif lead.any():
+            place = pin.integrate(self._links, q, lead)
         tau: Array = self.controller.update(place, self._lead[1].copy(), q_d, v_d, a_d, dt)
         self._state[:] = self._later
         self._sent[:-1] = self._sent[1:]

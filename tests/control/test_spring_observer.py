@@ -87,7 +87,7 @@ def test_with_the_right_model_the_motors_are_found():
     )
     lead, found = rec.signals["deflection"], rec.signals["motor_lead"]
     moving = rec.t < 0.5
-    assert np.abs(lead[moving] - lead[-1]).max() > 1e-3
+    assert np.abs(lead[moving] - lead[-1]).max() > 5e-4
     assert np.abs(found - lead)[rec.t > 0.2].max() < 0.02 * np.abs(lead).max()
     assert np.abs(found - lead)[-1].max() < 1e-6
     assert np.abs(rec.e[-1]).max() < 1e-4  # the links, and not the motors, are where they should be
@@ -96,7 +96,7 @@ def test_with_the_right_model_the_motors_are_found():
 def test_a_panda_with_wrong_masses_follows_on_soft_springs():
     arm = fp.load_arm("panda", armature="rotors")
     true = elastic(fp.perturb(arm, mass_scale=1.3, payload=2.0, friction=0.5, damping=0.5), 200.0)
-    reference = fp.references.Sinusoid(arm, amplitude=0.2, frequency=0.3)
+    reference = fp.references.Sinusoid.inside_limits(arm, amplitude=0.3)
     rec = simulate(
         true,
         observer(arm, gains={"bandwidth": 0.5}),
@@ -117,6 +117,7 @@ def test_rigid_joints_pass_through(stiffness):
     assert np.array_equal(run(observer(arm, stiffness=stiffness)), expected)
 
 
+@pytest.mark.filterwarnings("ignore::fotsmc_pin.control.PaperConditionWarning")
 @pytest.mark.parametrize("law", CONTROLLERS.values(), ids=CONTROLLERS)
 def test_every_law_can_be_wrapped(law):
     controller = observer(law=law)
@@ -200,4 +201,4 @@ def test_wrong_arguments_are_named(options, name):
 
 def test_what_is_not_a_controller_is_refused():
     with pytest.raises(ArgumentError, match="controller"):
-        fp.SpringObserver(fp.Safeguard(fp.LinearSMC(arm_of(), DT)), 1e4)
+        fp.SpringObserver(arm_of(), 1e4)
