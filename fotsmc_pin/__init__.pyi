@@ -19,6 +19,7 @@ from .control import (
     NonsingularTSM as NonsingularTSM,
     RobustFONFTSM as RobustFONFTSM,
     Safeguard as Safeguard,
+    SpringObserver as SpringObserver,
     SuperTwistingSMC as SuperTwistingSMC,
     TDEFONTSM as TDEFONTSM,
     TerminalSMC as TerminalSMC,

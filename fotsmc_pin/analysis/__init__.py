@@ -5,6 +5,7 @@ from fotsmc_pin.analysis.elastic_bandwidth import (
     BandwidthWarning,
     largest_bandwidth,
     warn_of_soft_joints,
+    with_bandwidth,
 )
 from fotsmc_pin.analysis.inertia_ratios import InertiaRatios, inertia_ratios
 from fotsmc_pin.analysis.margins import Margins, margins
@@ -43,4 +44,5 @@ __all__ = [
     "tool_errors",
     "units",
     "warn_of_soft_joints",
+    "with_bandwidth",
 ]

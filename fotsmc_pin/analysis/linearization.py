@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fotsmc_pin.analysis.sampled_loop import Joint
+from fotsmc_pin.control import SpringObserver
 from fotsmc_pin.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -39,6 +41,7 @@ class LinearLaw:
         C: commanded acceleration per state, (n,).
         D: commanded acceleration per `e` [1/s²] and per `ė` [1/s], (2,).
         dt: period of a tick [s].
+        joint: what it was made for: a rigid joint, or the spring that is observed.
     """
 
     A: Array
@@ -46,6 +49,7 @@ class LinearLaw:
     C: Array
     D: Array
     dt: float
+    joint: Joint = field(default_factory=Joint)
 
 
 class _Tick:
@@ -96,7 +100,9 @@ class _Tick:
 
 
 def linearize(
-    controller: Controller, amplitude: float = 1e-4, joints: Sequence[int] | None = None
+    controller: Controller | SpringObserver,
+    amplitude: float = 1e-4,
+    joints: Sequence[int] | None = None,
 ) -> tuple[LinearLaw, ...]:
     """Return the linear system that a law is near its equilibrium, one per joint.
 
@@ -104,17 +110,22 @@ def linearize(
     a time, up and down: central differences, whose size is that which the state has in a motion of
     `amplitude` at 20 rad/s. Counters, flags and whatever no error reaches or no torque sees are
     left out. Smooth laws do not depend on `amplitude`; the slope of a power below 1, of a sign or
-    of a boundary layer is the secant over it. The controller is left as it was.
+    of a boundary layer is the secant over it. The controller is left as it was. The law in a
+    `SpringObserver` is linearised so, and the observer, which is linear, is put before it.
 
     Args:
         controller: a law that multiplies a commanded acceleration with the nominal mass matrix,
-            each joint's from its own error.
+            each joint's from its own error; or a `SpringObserver` around one.
         amplitude: size of the error at which slopes are taken [rad, m].
         joints: indices of the joints that are wanted; all by default.
 
     Raises:
         ArgumentError: the law does not have that form, or gravity exceeds an effort limit.
     """
+    if isinstance(controller, SpringObserver):
+        from fotsmc_pin.analysis.spring_loop import behind_springs
+
+        return behind_springs(controller, linearize(controller.law, amplitude, joints), joints)
     tick = _Tick(controller)
     try:
         controller.reset()

@@ -10,7 +10,6 @@ import numpy as np
 from fotsmc_pin import checks
 from fotsmc_pin.analysis.linearization import linearize
 from fotsmc_pin.analysis.sampled_loop import (
-    Joint,
     closed_loop,
     edge,
     is_stable,
@@ -23,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from fotsmc_pin.analysis.linearization import LinearLaw
-    from fotsmc_pin.control import Controller
+    from fotsmc_pin.control import Controller, SpringObserver
     from fotsmc_pin.types import Array
 
 
@@ -79,7 +78,9 @@ class Margins:
         return self.lowest < lowest and highest < self.highest
 
 
-def margins(controller: Controller, delay: int = 1, *, amplitude: float = AMPLITUDE) -> Margins:
+def margins(
+    controller: Controller | SpringObserver, delay: int = 1, *, amplitude: float = AMPLITUDE
+) -> Margins:
     """Return what the loop of a law bears near its surface.
 
     A law that multiplies a commanded acceleration with the nominal mass matrix, `τ = M0 u + h0`,
@@ -96,6 +97,8 @@ def margins(controller: Controller, delay: int = 1, *, amplitude: float = AMPLIT
     forces of the true arm (both slow), and what adapts: an inertia floor or a rotor found later
     shows as another `m`. Where the loop is conditionally stable, as with an integral it is at
     large `m`, a large error may lose what a small one does not.
+
+    With a `SpringObserver`, `m` is that of the link's side alone: spring and rotor are known.
 
     Args:
         controller: the law; it is left as it was.
@@ -114,7 +117,7 @@ def margins(controller: Controller, delay: int = 1, *, amplitude: float = AMPLIT
     dampings = [_damping(law, delay) for law in kinds]
     damping, rate = min(dampings)
     M0 = controller.arm.mass_matrix(controller.arm.neutral)
-    noise = [[noise_gain(law, Joint(), delay, channel) for law in kinds] for channel in (0, 1)]
+    noise = [[noise_gain(law, law.joint, delay, channel) for law in kinds] for channel in (0, 1)]
     position, velocity = (np.sqrt(M0**2 @ np.array(gain)[place] ** 2) for gain in noise)
     responses = [_response(law, delay) for law in kinds]
     return Margins(
@@ -132,7 +135,7 @@ def margins(controller: Controller, delay: int = 1, *, amplitude: float = AMPLIT
     )
 
 
-def inertia_range(controller: Controller, delay: int = 1) -> tuple[float, float]:
+def inertia_range(controller: Controller | SpringObserver, delay: int = 1) -> tuple[float, float]:
     """Return `lowest` and `highest` of `margins` alone, which takes a part of the time.
 
     Raises:
@@ -142,9 +145,11 @@ def inertia_range(controller: Controller, delay: int = 1) -> tuple[float, float]
     return _range(controller, kinds, delay)
 
 
-def _range(controller: Controller, laws: Sequence[LinearLaw], delay: int) -> tuple[float, float]:
+def _range(
+    controller: Controller | SpringObserver, laws: Sequence[LinearLaw], delay: int
+) -> tuple[float, float]:
     """Return the edges between which the loop of every law is stable; it has to be so at 1."""
-    if not all(is_stable(law, Joint(), delay) for law in laws):
+    if not all(is_stable(law, law.joint, delay) for law in laws):
         remedy = "its loop is unstable with the nominal inertia; lower its gains or the delay"
         raise ArgumentError("controller", type(controller).__name__, remedy)
     lowest = max(_edge(law, delay, LIGHTEST) for law in laws)
@@ -152,12 +157,12 @@ def _range(controller: Controller, laws: Sequence[LinearLaw], delay: int) -> tup
 
 
 def _edge(law: LinearLaw, delay: int, end: float) -> float:
-    return edge(lambda m: is_stable(law, Joint(mass=m), delay), 1.0, end)
+    return edge(lambda m: is_stable(law, law.joint.loaded(m), delay), 1.0, end)
 
 
 def _same(one: LinearLaw, two: LinearLaw) -> bool:
     pairs = zip((one.A, one.B, one.C, one.D), (two.A, two.B, two.C, two.D), strict=True)
-    return all(
+    return one.joint == two.joint and all(
         a.shape == b.shape
         and bool(np.abs(a - b).max(initial=0.0) <= ALIKE * np.abs(a).max(initial=0.0))
         for a, b in pairs
@@ -178,7 +183,7 @@ def distinct(laws: Sequence[LinearLaw]) -> tuple[list[int], list[LinearLaw]]:
 
 def _rates(law: LinearLaw, delay: int) -> Array:
     """Rates `ln(z)/dt` of the loop's modes, (n,) complex, less those that are gone in a tick."""
-    z = np.linalg.eigvals(closed_loop(law, Joint(), delay))
+    z = np.linalg.eigvals(closed_loop(law, law.joint, delay))
     return np.array(np.log(z[np.abs(z) > 1e-3].astype(complex)) / law.dt)
 
 
@@ -199,7 +204,7 @@ def _damping(law: LinearLaw, delay: int) -> tuple[float, float]:
 def _response(law: LinearLaw, delay: int) -> tuple[float, float]:
     """Delay margin [ticks] and largest sensitivity."""
     rates = np.geomspace(0.1, 0.999 * np.pi / law.dt, RATES)
-    ratio = open_loop(law, Joint(), delay, rates)
+    ratio = open_loop(law, law.joint, delay, rates)
     peak = float((1.0 / np.abs(1.0 + ratio)).max())
     size = np.abs(ratio)
     crossings = np.flatnonzero((size[:-1] - 1.0) * (size[1:] - 1.0) < 0.0)
@@ -207,7 +212,7 @@ def _response(law: LinearLaw, delay: int) -> tuple[float, float]:
     for k in crossings:
         part = np.log(size[k]) / np.log(size[k] / size[k + 1])
         rate = rates[k] * (rates[k + 1] / rates[k]) ** part
-        at = complex(open_loop(law, Joint(), delay, np.array([rate]))[0])
+        at = complex(open_loop(law, law.joint, delay, np.array([rate]))[0])
         phase = float(np.angle(-at)) % (2.0 * np.pi)
         late = min(late, phase / (rate * law.dt))
     return float(late), peak

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -38,6 +38,14 @@ class Joint:
     stiffness: float = np.inf
     damping: float = 0.0
     link_side: bool = False
+
+    def loaded(self, ratio: float) -> Joint:
+        """Return the joint `ratio` times as heavy; of an elastic one, its link alone."""
+        if np.isinf(self.stiffness):
+            return replace(self, mass=ratio * self.mass)
+        rotor = self.mass * self.rotor
+        mass = rotor + ratio * (self.mass - rotor)
+        return replace(self, mass=mass, rotor=rotor / mass)
 
     def sampled(self, dt: float) -> tuple[Array, Array, Array]:
         """Return `F`, `G`, `H` of `x⁺ = F x + G u`, `(e, ė) = H x` under a zero-order hold."""

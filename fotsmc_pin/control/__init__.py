@@ -21,6 +21,7 @@ from fotsmc_pin.control.linear_smc import LinearSMC
 from fotsmc_pin.control.nonsingular_tsm import NonsingularTSM
 from fotsmc_pin.control.robust_fonftsm import RobustFONFTSM
 from fotsmc_pin.control.safety import Safeguard, SoftStart
+from fotsmc_pin.control.spring_observer import SpringObserver
 from fotsmc_pin.control.super_twisting_smc import SuperTwistingSMC
 from fotsmc_pin.control.tde_fontsm import TDEFONTSM
 from fotsmc_pin.control.terminal_smc import TerminalSMC
@@ -62,6 +63,7 @@ __all__ = [
     "RobustFONFTSM",
     "Safeguard",
     "SoftStart",
+    "SpringObserver",
     "SuperTwistingSMC",
     "TerminalSMC",
     "TickWarning",

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fotsmc_pin.copying import SharesNothing
+from fotsmc_pin.control.wrapper import Wrapper
 from fotsmc_pin.learning.estimates import Estimate, Estimates
 
 if TYPE_CHECKING:
@@ -20,22 +20,12 @@ KEY = "learning"
 """Where the metadata of a recording describe what was learnt."""
 
 
-class Described(SharesNothing):
+class Described(Wrapper):
     """A wrapped controller, described: its gains and preset, and for recordings a name and data."""
 
     controller: Controller
     delay: int
     bears: tuple[float, float]
-
-    @property
-    def gains(self) -> Any:
-        """The controller's gains."""
-        return self.controller.gains
-
-    @property
-    def preset(self) -> str | None:
-        """The controller's preset."""
-        return self.controller.preset
 
     @property
     def label(self) -> str:

@@ -130,11 +130,6 @@ class ModelLearning(Described):
         self.reset()
 
     @property
-    def signals(self) -> dict[str, Array]:
-        """Copies of the controller's signals and of what is learnt, by name."""
-        return {name: signal.copy() for name, signal in self.live_signals.items()}
-
-    @property
     def live_signals(self) -> dict[str, Array]:
         """The signals themselves, which every tick writes anew: for reading, by a recorder."""
         return {**self.controller.live_signals, **self._signals}

@@ -11,7 +11,7 @@ from fotsmc_pin import checks
 from fotsmc_pin.control.safety.soft_start import SoftStart
 from fotsmc_pin.control.safety.steps import stopping, too_fast, within_limits, within_rate
 from fotsmc_pin.control.saved_state import part, present, with_prefix
-from fotsmc_pin.copying import SharesNothing
+from fotsmc_pin.control.wrapper import Wrapper
 from fotsmc_pin.errors import MeasurementError
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from fotsmc_pin.types import Array
 
 
-class Safeguard(SharesNothing):
+class Safeguard(Wrapper):
     """Wraps a controller: soft start, torque-rate limit, watchdog and safe stop.
 
     It has the face of a controller (`dt`, `update`, `reset`, `signals`) and works with all of them.
@@ -85,18 +85,8 @@ class Safeguard(SharesNothing):
     @property
     def signals(self) -> dict[str, Array]:
         """The controller's signals."""
-        return self.controller.signals
-
-    @property
-    def gains(self) -> Any:
-        """The controller's gains."""
-        return self.controller.gains
-
-    @property
-    def about(self) -> dict[str, Any]:
-        """What the controller says of itself for a recording's metadata."""
-        about: dict[str, Any] = getattr(self.controller, "about", {})
-        return about
+        signals: dict[str, Array] = self.controller.signals
+        return signals
 
     def reset(self) -> None:
         """End a stop and begin anew, softly, from wherever the arm is."""
@@ -188,7 +178,7 @@ class Safeguard(SharesNothing):
                 self.stop(f"{joint} is faster than its limit allows")
                 return self._tau
             target = self._lead.lead(q, speed, q_d, v_d, a_d, period)
-            tau = self.controller.update(q, speed, *target, dt=dt)
+            tau: Array = self.controller.update(q, speed, *target, dt=dt)
         except (MeasurementError, ValueError) as error:
             self.stop(f"measurement: {error}")
             return self._tau

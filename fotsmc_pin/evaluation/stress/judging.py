@@ -15,7 +15,7 @@ from fotsmc_pin.errors import DivergenceError
 from fotsmc_pin.evaluation.stress.courses import lasting
 
 if TYPE_CHECKING:
-    from fotsmc_pin.control import Controller
+    from fotsmc_pin.control import Controller, SpringObserver
     from fotsmc_pin.evaluation.stress.courses import Course, Rest
     from fotsmc_pin.evaluation.stress.scenario import Scenario
     from fotsmc_pin.learning import ModelLearning
@@ -108,7 +108,7 @@ class StressRow:
 
 def run_row(
     scenario: Scenario,
-    controller: Controller[Any] | ModelLearning,
+    controller: Controller[Any] | ModelLearning | SpringObserver,
     label: str,
     duration: float | None = None,
 ) -> StressRow:

@@ -1,4 +1,4 @@
-"""Elastic joints in the suite: the warning before a run, and the speed that their springs bear."""
+"""Elastic joints in the suite: a warning before a run, an observer, and the speed that it bears."""
 
 from __future__ import annotations
 
@@ -6,8 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fotsmc_pin.analysis import largest_bandwidth, warn_of_soft_joints
+from fotsmc_pin.analysis import largest_bandwidth, warn_of_soft_joints, with_bandwidth
+from fotsmc_pin.control import SpringObserver
 from fotsmc_pin.errors import ArgumentError
+from fotsmc_pin.learning import ModelLearning
 
 if TYPE_CHECKING:
     from typing import Any
@@ -15,16 +17,20 @@ if TYPE_CHECKING:
     from fotsmc_pin.control import Controller
     from fotsmc_pin.evaluation.stress.scenario import Scenario
 
-SHARE = 0.9
+SHARE = 0.6
 """Share of `largest_bandwidth` at which a law runs with encoders on the links."""
 
 
-def fitted_to_springs(controller: Controller[Any], scenario: Scenario) -> Controller[Any]:
+def fitted_to_springs(
+    controller: Controller[Any], scenario: Scenario
+) -> Controller[Any] | SpringObserver:
     """Return the controller that a scenario is run with, and warn where it was too fast for it.
 
-    With encoders on the links of elastic joints a law that has a `bandwidth` runs at 0.9 of what
-    `largest_bandwidth` gives for the nominal arm with its own rotors and the true springs, and
-    never faster than it was made. Every other controller is returned as it is.
+    With encoders on the links of elastic joints a `SpringObserver` goes around the law. It knows
+    what a maker states, the stiffness of the springs, and the rotors of the nominal arm; that the
+    springs are damped it does not know. A law with a `bandwidth` then runs at 0.6 of what
+    `largest_bandwidth` gives, and never faster than it was made. Every other controller is returned
+    as it is.
 
     Args:
         controller: as it was made for the scenario.
@@ -33,26 +39,27 @@ def fitted_to_springs(controller: Controller[Any], scenario: Scenario) -> Contro
     Warns:
         BandwidthWarning: as it was made, the controller is too fast for the springs.
     """
-    true, nominal, side = scenario.true, scenario.arm, scenario.encoder
+    true, side = scenario.true, scenario.encoder
     if not np.isfinite(true.joint_stiffness).any():
         return controller
     warn_of_soft_joints(controller, true, encoder=side, delay=scenario.delay)
+    if side == "motor":
+        return controller
+    observer = SpringObserver(controller, true.joint_stiffness, delay=scenario.delay)
     made = getattr(controller.gains, "bandwidth", None)
-    if side == "motor" or made is None:
-        return controller
+    if made is None:
+        return observer
     try:
-        edge = largest_bandwidth(
-            controller,
-            true.joint_stiffness,
-            rotor=nominal.armature,
-            encoder=side,
-            delay=scenario.delay,
-        )
+        edge = largest_bandwidth(observer, delay=scenario.delay)
     except ArgumentError:  # no bandwidth is stable: run it as it is
-        return controller
-    given = {
-        name: getattr(controller.gains, name) for name in controller.gains.__dataclass_fields__
-    }
-    return type(controller)(
-        nominal, controller.dt, **{**given, "bandwidth": min(made, SHARE * edge)}
-    )
+        return observer
+    return with_bandwidth(observer, min(made, SHARE * edge))
+
+
+def with_learning(
+    controller: Controller[Any] | SpringObserver, delay: int
+) -> ModelLearning | SpringObserver:
+    """Return a controller that learns its model, inside of the observer where there is one."""
+    if isinstance(controller, SpringObserver):
+        return controller.around(ModelLearning(controller.law, delay=delay))
+    return ModelLearning(controller, delay=delay)

@@ -12,8 +12,7 @@ from fotsmc_pin.arms import load_arm
 from fotsmc_pin.control import CONTROLLERS, Controller, warn_of_gravity
 from fotsmc_pin.evaluation.stress.cases import chosen_cases
 from fotsmc_pin.evaluation.stress.judging import StressRow, run_row
-from fotsmc_pin.evaluation.stress.springs import fitted_to_springs
-from fotsmc_pin.learning import ModelLearning
+from fotsmc_pin.evaluation.stress.springs import fitted_to_springs, with_learning
 from fotsmc_pin.learning.described import LABEL
 from fotsmc_pin.progress import reporting
 
@@ -108,7 +107,7 @@ class Run:
         scenario = self.case.scenario_of(self.arm, duration=self.duration, seed=self.seed)
         made = self.make(scenario.arm, scenario.dt)
         law = fitted_to_springs(made, scenario)
-        controller = ModelLearning(law, delay=scenario.delay) if self.learn else law
+        controller = with_learning(law, scenario.delay) if self.learn else law
         return run_row(scenario, controller, self.label)
 
 

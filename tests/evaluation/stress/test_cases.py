@@ -267,7 +267,7 @@ def test_encoders_on_the_links_run_at_the_bandwidth_that_the_springs_bear():
     with pytest.warns(BandwidthWarning, match="link side"):
         (row,) = stress(["z1"], ["RobustFONFTSM"], scenarios="elastic 1000 link")
     assert row.bandwidth is not None
-    assert 0.1 < row.bandwidth < 0.3
+    assert 0.5 < row.bandwidth <= 1.0
     assert row.tail_rms_error < 0.03  # friction and payload, which such slow rates reject late
     assert row.largest_swing is not None
     assert row.largest_swing < 5e-3
