@@ -123,7 +123,9 @@ class Logged:
 class CompiledC:
     """An exported controller, compiled into a shared library."""
 
-    def __init__(self, controller, folder, *, single=False, flags=(*STRICT, *UNDEFINED), compiler="gcc"):
+    def __init__(
+        self, controller, folder, *, single=False, flags=(*STRICT, *UNDEFINED), compiler="gcc"
+    ):
         self.arm = controller.arm
         self.header, self.source = fp.export_c(controller, folder, single=single)
         self.prefix = self.header.stem
