@@ -1,0 +1,15 @@
+"""`fotsmc export` writes what `fp.export_c` does."""
+
+from typer.testing import CliRunner
+
+from fotsmc_pin.cli import app
+
+
+def test_the_command_writes_a_guarded_law(tmp_path):
+    options = ("--controller", "ComputedTorque", "--gain", "kp=225", "--safeguard", "--float")
+    done = CliRunner().invoke(app, ["export", "two_link", *options, "-o", str(tmp_path / "ctrl")])
+    assert done.exit_code == 0, done.output
+    header = (tmp_path / "ctrl" / "fotsmc_two_link.h").read_text("utf-8")
+    source = (tmp_path / "ctrl" / "fotsmc_two_link.c").read_text("utf-8")
+    assert "float torque_rate[2];" in header
+    assert "state->gains.kp[0] = 225.0f;" in source
