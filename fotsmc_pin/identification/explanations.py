@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from fotsmc_pin.identification.filtering import Piece
     from fotsmc_pin.types import Array
 
-SAMPLES = 200
+SAMPLES = 150
 """Of a log, on which the explanations are compared."""
 WIDTH = 0.03
 """Standard deviation of the weight by which samples are averaged [s]."""
@@ -94,7 +94,10 @@ class Explanations:
         self.arm, self.sample, self.n = arm, sample, arm.nv
         self.parameters = Parameters(arm.nv)
         belief = nominal_belief(arm, self.parameters, links=LINKS)
-        self.mean, self.factor = belief.mean, np.linalg.cholesky(belief.covariance)
+        self.mean, self.factor = belief.mean.copy(), np.linalg.cholesky(belief.covariance)
+        # Rotors and friction are not negative, by which a wrong sign is known: some are expected.
+        own = slice(10 * arm.nv, self.parameters.size)
+        self.mean[own] = np.maximum(self.mean[own], np.sqrt(np.diag(belief.covariance)[own]))
         swing = np.std(sample.tau, axis=0)
         self.noise = np.hypot(sample.noise, TOLERANCE * np.maximum(swing, 0.05 * swing.max()))
         self.rows = sample.tau.size
