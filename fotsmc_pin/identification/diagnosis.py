@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fotsmc_pin.errors import LogError
-from fotsmc_pin.identification.explanations import Explanations, sample
+from fotsmc_pin.identification.explanations import FEWEST, Explanations, sample
 from fotsmc_pin.user_warnings import warn_user
 
 if TYPE_CHECKING:
@@ -42,8 +42,6 @@ ALIKE = 0.1
 """Share of that decrease within which two explanations are equally good."""
 NOISY = 0.6
 """Correlation of a velocity with that of its positions which noise alone may leave."""
-FEWEST = 0.2
-"""Share of its equations that a joint must have left."""
 LEAST_TRAVEL = 0.02
 """Travel of a joint below which it tells nothing [rad, m]."""
 

@@ -29,6 +29,8 @@ WIDTH = 0.03
 """Standard deviation of the weight by which samples are averaged [s]."""
 TOLERANCE = 0.03
 """Error of the torque that an explanation may leave, over the swing of the torque."""
+FEWEST = 0.2
+"""Share of its equations that a joint must have left: it neither sticks nor shakes."""
 LINKS = 0.2
 """Standard deviation of a link's mass over its nominal one, here where the file is to judge."""
 DIRECTIONS = 40
@@ -131,7 +133,9 @@ class Explanations:
                 f"the torque of {name} has the wrong sign; turn the sign of its column",
             )
         yield from self.of_gravity()
-        for j, k in combinations(range(self.n), 2):
+        # A joint without equations would fit anything.
+        moving = np.flatnonzero(self.sample.moves.mean(axis=0) >= FEWEST).tolist()
+        for j, k in combinations(moving, 2):
             swap = np.arange(self.n)
             swap[[j, k]] = k, j
             both = f"{names[j]} and {names[k]}"
