@@ -12,7 +12,14 @@ from fotsmc_pin.identification.base_parameters import base_of
 from fotsmc_pin.identification.regressor import Parameters
 from tests.identification import hidden
 
-ARMS = ("panda", "ur5", "kinova", "z1", "so100", "two_link")
+ARMS = (
+    "panda",
+    pytest.param("ur5", marks=pytest.mark.long),
+    "kinova",
+    pytest.param("z1", marks=pytest.mark.long),
+    "so100",
+    "two_link",
+)
 
 
 @cache
