@@ -7,6 +7,7 @@ from pathlib import Path
 
 import fotsmc_pin as fp
 from fotsmc_pin.simulation import Chain, Encoder, TorqueSensor
+from fotsmc_pin.types import Reference
 from fotsmc_pin.view import write_identification
 
 DT = 1e-3
@@ -49,9 +50,7 @@ def main(out: Path = Path("out/identify_arm"), duration: float = 10.0) -> fp.Ide
     return result
 
 
-def record(
-    model: fp.Arm, hidden: fp.Arm, reference: fp.references.Excitation, duration: float
-) -> fp.Recording:
+def record(model: fp.Arm, hidden: fp.Arm, reference: Reference, duration: float) -> fp.Recording:
     """Run a law that knows `model` on the hidden arm, and keep what its sensors read."""
     return fp.simulate(
         hidden,

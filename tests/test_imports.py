@@ -36,7 +36,7 @@ MAY_IMPORT = {
     "realtime": BELOW_ANALYSIS,
     "learning": BELOW_ANALYSIS | {"analysis"},
     "evaluation": BELOW_ANALYSIS | {"analysis", "learning"},
-    "identification": BELOW_ANALYSIS | {"analysis", "learning"},
+    "identification": BELOW_ANALYSIS,
     "export": {"fractional", "arms", "control", "learning"},
     "view": BELOW_VIEW,
     "paper": BELOW_VIEW | {"view"},

@@ -15,12 +15,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fotsmc_pin.errors import LogError
-from fotsmc_pin.identification.explanations import Explanations, sample
+from fotsmc_pin.identification.explanations import FEWEST, Explanations, sample
 from fotsmc_pin.user_warnings import warn_user
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from fotsmc_pin.arms import Arm
     from fotsmc_pin.identification.reading import ReadLog
+    from fotsmc_pin.identification.regressor import Equations
     from fotsmc_pin.types import Array
 
 BETTER, AT_LEAST = 0.1, 25.0
@@ -35,6 +38,8 @@ TOO_FAST = 8.0
 DEGREE = np.pi / 180.0
 UNLIKE = 0.3
 """Part of a velocity column that the positions may leave unexplained."""
+ALIKE = 0.1
+"""Share of that decrease within which two explanations are equally good."""
 NOISY = 0.6
 """Correlation of a velocity with that of its positions which noise alone may leave."""
 LEAST_TRAVEL = 0.02
@@ -58,6 +63,23 @@ def demand_sense(arm: Arm, entry: ReadLog) -> None:
     _demand_motion(arm, entry)
     _demand_velocities(arm, entry)
     _demand_best_explanation(arm, entry)
+
+
+def warn_of_unused(arm: Arm, systems: Sequence[Equations]) -> None:
+    """Warn of joints that nearly no equation is left of.
+
+    Warns:
+        LogWarning: naming the joints: they stick, or shake so that they turn round all the time.
+    """
+    shares = np.mean(np.hstack([system.used for system in systems]), axis=1)
+    few = [name for name, share in zip(arm.joint_names, shares, strict=True) if share < FEWEST]
+    if few:
+        warn_user(
+            f"{', '.join(few)} stick or shake in nearly all of the logs, where dry friction can be "
+            "anything: their parameters stay as in the file; let them move smoothly, and in long "
+            "strokes",
+            LogWarning,
+        )
 
 
 def _demand_units(arm: Arm, entry: ReadLog) -> None:
@@ -159,7 +181,7 @@ def _demand_best_explanation(arm: Arm, entry: ReadLog) -> None:
     if believed:
         # Of readings that are nearly as good the first, which is the plainest.
         best = min(reading[0] for reading in believed)
-        near = best + 0.1 * (as_is - best)
+        near = best + min(ALIKE * (as_is - best), AT_LEAST / 2.0)
         best, kind, words = next(reading for reading in believed if reading[0] <= near)
         raise LogError(
             kind,

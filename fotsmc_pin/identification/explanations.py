@@ -23,12 +23,14 @@ if TYPE_CHECKING:
     from fotsmc_pin.identification.filtering import Piece
     from fotsmc_pin.types import Array
 
-SAMPLES = 200
+SAMPLES = 150
 """Of a log, on which the explanations are compared."""
 WIDTH = 0.03
 """Standard deviation of the weight by which samples are averaged [s]."""
 TOLERANCE = 0.03
 """Error of the torque that an explanation may leave, over the swing of the torque."""
+FEWEST = 0.2
+"""Share of its equations that a joint must have left: it neither sticks nor shakes."""
 LINKS = 0.2
 """Standard deviation of a link's mass over its nominal one, here where the file is to judge."""
 DIRECTIONS = 40
@@ -94,7 +96,10 @@ class Explanations:
         self.arm, self.sample, self.n = arm, sample, arm.nv
         self.parameters = Parameters(arm.nv)
         belief = nominal_belief(arm, self.parameters, links=LINKS)
-        self.mean, self.factor = belief.mean, np.linalg.cholesky(belief.covariance)
+        self.mean, self.factor = belief.mean.copy(), np.linalg.cholesky(belief.covariance)
+        # Rotors and friction are not negative, by which a wrong sign is known: some are expected.
+        own = slice(10 * arm.nv, self.parameters.size)
+        self.mean[own] = np.maximum(self.mean[own], np.sqrt(np.diag(belief.covariance)[own]))
         swing = np.std(sample.tau, axis=0)
         self.noise = np.hypot(sample.noise, TOLERANCE * np.maximum(swing, 0.05 * swing.max()))
         self.rows = sample.tau.size
@@ -128,7 +133,9 @@ class Explanations:
                 f"the torque of {name} has the wrong sign; turn the sign of its column",
             )
         yield from self.of_gravity()
-        for j, k in combinations(range(self.n), 2):
+        # A joint without equations would fit anything.
+        moving = np.flatnonzero(self.sample.moves.mean(axis=0) >= FEWEST).tolist()
+        for j, k in combinations(moving, 2):
             swap = np.arange(self.n)
             swap[[j, k]] = k, j
             both = f"{names[j]} and {names[k]}"

@@ -73,7 +73,7 @@ def fit(systems: Sequence[Equations], belief: Belief) -> Fit:
         theta=theta,
         factor=problem.factor,
         precision=np.asarray(np.linalg.inv(inverse), dtype=np.float64),
-        covariance=problem.covariance(shifts, theta, inverse, noise),
+        covariance=problem.covariance(shifts, theta, noise),
         noise=noise,
         shifts=tuple(shifts),
     )
@@ -147,10 +147,17 @@ class _Problem:
         fitted = np.einsum("jpq,qp->j", self.normal, inverse) / noise**2
         return np.asarray(np.sqrt(squares / np.maximum(self.count - fitted, 0.1 * self.count + 1)))
 
-    def covariance(
-        self, shifts: Sequence[float], theta: Array, inverse: Array, noise: Array
-    ) -> Array:
+    def covariance(self, shifts: Sequence[float], theta: Array, noise: Array) -> Array:
         """Return the covariance (p, p), each joint's residual correlated as it is seen to be."""
+        weighted = [
+            without_shift(system, rows / noise[:, None, None], theta, noise)
+            for system, rows in zip(self.systems, self.rows, strict=True)
+        ]
+        information = np.eye(self.mean.size)
+        for rows in weighted:
+            flat = rows.reshape(-1, self.mean.size)
+            information += flat.T @ flat
+        inverse = np.linalg.inv(information)
         spread = np.eye(self.mean.size)
         for j in range(noise.size):
             scaled = [
@@ -158,8 +165,8 @@ class _Problem:
                 for system, shift in zip(self.systems, shifts, strict=True)
             ]
             correlation = correlations(scaled, self.count[j])
-            for rows in self.rows:
-                own = rows[j] / noise[j]
+            for rows in weighted:
+                own = rows[j]
                 filtered = correlation[0] * own
                 for lag in range(1, min(len(correlation), len(own))):
                     filtered[lag:] += correlation[lag] * own[:-lag]
@@ -167,6 +174,20 @@ class _Problem:
                 spread += own.T @ filtered
         joint = inverse @ spread @ inverse
         return np.asarray(self.factor @ joint @ self.factor.T)
+
+
+def without_shift(system: Equations, rows: Array, theta: Array, noise: Array) -> Array:
+    """Return weighted rows (nv, N, p) without what a shift of the torque in time explains as well.
+
+    The shift is found with the parameters, which are known the less for it.
+    """
+    slope = np.gradient(system.table @ theta, system.times, axis=1) * system.used
+    slope = slope / noise[:, None]
+    size = float(np.sum(slope**2))
+    if size == 0.0:
+        return rows
+    share = np.einsum("jk,jkp->p", slope, rows) / size
+    return np.asarray(rows - slope[:, :, None] * share)
 
 
 def correlations(scaled: Sequence[Array], count: int) -> Array:

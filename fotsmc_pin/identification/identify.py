@@ -11,7 +11,7 @@ from fotsmc_pin.arms import demand_arm
 from fotsmc_pin.identification.base_parameters import base_of
 from fotsmc_pin.identification.consistent import consistent
 from fotsmc_pin.identification.described import base_rows, parameter_rows, untold
-from fotsmc_pin.identification.diagnosis import demand_sense
+from fotsmc_pin.identification.diagnosis import demand_sense, warn_of_unused
 from fotsmc_pin.identification.filtering import chosen_width
 from fotsmc_pin.identification.fit import fit
 from fotsmc_pin.identification.prior import body_sizes, nominal_belief
@@ -86,6 +86,7 @@ def identify(
         pieces = [piece for entry in read for piece in entry.pieces]
         width = chosen_width(pieces)
         systems = [equations(arm, piece, parameters, width, speed) for piece in pieces]
+        warn_of_unused(arm, systems)
         report(0.5)
         belief = nominal_belief(arm, parameters)
         linear = fit(systems, belief)

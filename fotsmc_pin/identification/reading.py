@@ -156,6 +156,10 @@ def _pieces(arm: Arm, log: Log, argument: str) -> ReadLog:
             f"{log.label}: the robot adds gravity itself; that of {arm.name} was added here, so an "
             "error of the robot's own model of gravity goes into the masses"
         )
+    if "friction" in log.compensates:
+        notes.append(
+            f"{log.label}: the robot makes up for friction itself; what is identified is the rest"
+        )
     pieces = tuple(smoothed(log.t[part], x[part], tau[part]) for part in stretches)
     return ReadLog(log=log, pieces=pieces, notes=tuple(notes))
 

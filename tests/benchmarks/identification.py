@@ -125,7 +125,9 @@ def stress(names, laws=None):
     for name in names:
         arm = fp.load_arm(name)
         scenario = case.scenario_of(arm)
-        log = excited(name, scenario.true, 0, fp.RobustFONFTSM(scenario.arm, hidden.DT))
+        # The robot's own controller followed the motion; ours is the one to be improved.
+        motion = fp.references.Excitation(arm)
+        log = hidden.calculated(scenario.true, motion, duration=motion.duration, dt=2e-3)
         result = fp.identify([log], scenario.arm)
         known = replace(scenario, arm=result.arm)
         rows = {}

@@ -73,3 +73,11 @@ def test_the_first_example_runs_as_a_reader_runs_it(tmp_path):
     assert done.returncode == 0, done.stderr
     assert "elbow: gravity takes up to" in done.stdout
     assert (tmp_path / "out/own_urdf/own_urdf.html").is_file()
+
+
+def test_an_arm_is_identified_and_then_tracked_better(tmp_path, capsys):
+    result = main_of("identify_arm")(tmp_path, duration=5.0)
+    assert "tracking error with the identified arm" in capsys.readouterr().out
+    assert result.arm.armature == pytest.approx([0.5, 0.5], abs=0.1)
+    assert fp.load_arm(tmp_path / "identified.urdf").nv == 2
+    assert (tmp_path / "identified.html").is_file()

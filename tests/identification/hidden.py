@@ -14,6 +14,8 @@ from fotsmc_pin.simulation.sensors import Encoder
 
 ARMS = ("panda", "ur5", "kinova", "z1", "so100", "two_link")
 DT = 1e-3
+CALCULATED_DT = 4e-3
+"""Period of logs that are calculated [s]."""
 BITS = 20
 TORQUE_NOISE = 0.005
 """Standard deviation of a torque reading over the effort limit."""
@@ -132,7 +134,9 @@ def measured(rec, seed, noise=TORQUE_NOISE, bits=BITS):
     )
 
 
-def calculated(true, motion, seed=0, duration=30.0, noise=TORQUE_NOISE, bits=BITS, dt=2e-3):
+def calculated(
+    true, motion, seed=0, duration=30.0, noise=TORQUE_NOISE, bits=BITS, dt=CALCULATED_DT
+):
     """Return the log of an arm that follows a motion exactly: inverse dynamics, and friction."""
     rng = np.random.default_rng([seed, 11])
     t = np.arange(0.0, duration, dt)
