@@ -2,6 +2,7 @@
 
 from fotsmc_pin.analysis.bounds import reaching_time_bound, settling_time_bound
 from fotsmc_pin.analysis.elastic_bandwidth import (
+    OBSERVED_SHARE,
     BandwidthWarning,
     largest_bandwidth,
     warn_of_soft_joints,
@@ -22,6 +23,7 @@ from fotsmc_pin.analysis.tool import tool_errors
 from fotsmc_pin.control.conditions import obeys_power_condition
 
 __all__ = [
+    "OBSERVED_SHARE",
     "BandwidthWarning",
     "InertiaRatios",
     "Margins",

@@ -28,6 +28,9 @@ SMALLEST, LARGEST = 0.01, 2.0
 """Bandwidths between which an edge is looked for."""
 STEPS, BISECTIONS = 12, 6
 STEP_DOWN = 0.95
+OBSERVED_SHARE = 0.6
+"""Share of `largest_bandwidth` at which a law is best run in a `SpringObserver`: on a whole arm
+springs shake each other, and near the edge noise of the sensors becomes a rattling torque."""
 SIDES = ("motor", "link")
 LINKS = (0.7, 1.0, 1.4, 2.0)
 """True over nominal inertia on the link's side, with each of which a loop must be stable where a

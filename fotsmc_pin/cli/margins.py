@@ -28,6 +28,7 @@ ROTORS = (400.0, 200.0, 100.0, 50.0)
 SIDES = ("motor", "link")
 SHARE = 0.8
 """Share of the largest bandwidth that is proposed: on a whole arm springs shake each other."""
+OBSERVED = "link side, with a SpringObserver"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,7 +90,8 @@ def margins_command(
     for one in asked:
         say(_verdict(loops, one, nominal))
     for side, value in bandwidths.items():
-        say(f"Encoders on the {side} side: {_bandwidth_words(value, controller)}")
+        place = side if side == OBSERVED else f"{side} side"
+        say(f"Encoders on the {place}: {_bandwidth_words(value, controller, side)}")
     if folder is not None:
         _write(folder, loops, asked, bandwidths)
         say(f"The figure is kept in {folder / 'margins.png'}.")
@@ -211,6 +213,7 @@ def _bandwidths(
     from fotsmc_pin.arms import perturb
     from fotsmc_pin.arms.random_numbers import Uniform
     from fotsmc_pin.cli.values import values_by_name
+    from fotsmc_pin.control import SpringObserver
 
     values: Any = values_by_name("--stiffness", stiffness, None)
     numbers = values.values() if isinstance(values, dict) else [values]
@@ -228,19 +231,29 @@ def _bandwidths(
             if "no bandwidth" not in str(error):
                 raise
             found[side] = None
+    try:
+        observer = SpringObserver(controller, k, delay=delay)
+        found[OBSERVED] = largest_bandwidth(observer, delay=delay)
+    except ArgumentError as error:
+        if "no bandwidth" not in str(error):
+            raise
+        found[OBSERVED] = None
     return found
 
 
-def _bandwidth_words(value: float | None, controller: Controller[Any]) -> str:
+def _bandwidth_words(value: float | None, controller: Controller[Any], side: str) -> str:
+    from fotsmc_pin.analysis import OBSERVED_SHARE
+
+    share = OBSERVED_SHARE if side == OBSERVED else SHARE
     if value is None:
         return "no bandwidth is stable."
     given = controller.gains.bandwidth
     words = f"stable up to a bandwidth of {value:.3g}"
-    if given <= SHARE * value:
+    if given <= share * value:
         return f"{words}; this one's {given:g} is inside."
     if given < value:
-        return f"{words}: {given:g} is close, take --gain bandwidth={SHARE * value:.2g}."
-    return f"{words}: {given:g} is too fast, take --gain bandwidth={SHARE * value:.2g}."
+        return f"{words}: {given:g} is close, take --gain bandwidth={share * value:.2g}."
+    return f"{words}: {given:g} is too fast, take --gain bandwidth={share * value:.2g}."
 
 
 def _write(

@@ -10,9 +10,9 @@ import pinocchio as pin
 
 from fotsmc_pin import checks
 from fotsmc_pin.compiled import specialized
-from fotsmc_pin.control.arguments import LARGEST, cleaned_arguments
+from fotsmc_pin.control.arguments import cleaned_arguments, read_arguments
 from fotsmc_pin.control.controller import LONGEST_TICK, SHORTEST_TICK, Controller
-from fotsmc_pin.control.rows import named_rows
+from fotsmc_pin.control.rows import Joints, named_rows
 from fotsmc_pin.control.saved_state import part, present, with_prefix
 from fotsmc_pin.control.spring_model import (
     FASTEST_SWING,
@@ -33,10 +33,10 @@ if TYPE_CHECKING:
     from fotsmc_pin.types import Array
 
 MEMORY = ("_state", "_sent")
-LINKED = {"_links", "_data", "_M", "_h", "_signals", "_arguments", "_code"}
+LINKED = {"_q", "_v", "_links", "_data", "_M", "_h", "_signals", "_arguments", "_code"}
 """What only refers to the arrays or is made from the arm; no copy takes it along."""
-REMAINS = 1e-9
-"""Least share of the joint's inertia that must be left on the link's side."""
+USUAL_DAMPING = 0.02
+"""Damping ratio of a motor on its spring, where it is not given."""
 
 
 class SpringObserver(Wrapper):
@@ -88,7 +88,7 @@ class SpringObserver(Wrapper):
         controller: Any,
         joint_stiffness: ArrayLike,
         *,
-        joint_damping: ArrayLike = 0.0,
+        joint_damping: ArrayLike | None = None,
         rotor: ArrayLike | None = None,
         delay: int = 1,
         corner: float = 3.0,
@@ -100,7 +100,8 @@ class SpringObserver(Wrapper):
                 wrapper.
             joint_stiffness: `K` of each joint, one number or (nv,) [N·m/rad, N/m]; inf for a rigid
                 one.
-            joint_damping: `D` of the springs, one number or (nv,) [N·m·s/rad, N·s/m].
+            joint_damping: `D` of the springs, one number or (nv,) [N·m·s/rad, N·s/m]; None for what
+                damps the motor on its spring by a ratio of 0.02, as makers seldom state it.
             rotor: `J`, inertia on the motor's side, one number or (nv,) [kg·m², kg]; the arm's
                 armature if None.
             delay: ticks from a torque to the drive.
@@ -116,9 +117,12 @@ class SpringObserver(Wrapper):
         self.joint_stiffness = checks.per_joint(
             "joint_stiffness", joint_stiffness, n, above=0.0, unlimited=True
         )
+        own = self.arm.armature if rotor is None else rotor
+        self.rotor = checks.per_joint("rotor", own, n, at_least=0.0)
+        if joint_damping is None:
+            K = np.where(np.isfinite(self.joint_stiffness), self.joint_stiffness, 0.0)
+            joint_damping = 2.0 * USUAL_DAMPING * np.sqrt(K * self.rotor)
         self.joint_damping = checks.per_joint("joint_damping", joint_damping, n, at_least=0.0)
-        given = self.arm.armature if rotor is None else rotor
-        self.rotor = checks.per_joint("rotor", given, n, at_least=0.0)
         self.delay = checks.count("delay", delay, at_least=0)
         self.corner = checks.finite_number("corner", corner, above=0.0)
         elastic = np.isfinite(self.joint_stiffness)
@@ -129,7 +133,9 @@ class SpringObserver(Wrapper):
         shape = (len(SpringState._fields), n)
         self._state, self._later = np.zeros(shape), np.zeros(shape)
         self._sent = np.zeros((self.delay + 1, n))
-        self._v, self._lead = np.zeros(n), np.zeros((2, n))
+        self._configurations = np.zeros((2, self.arm.nq))
+        self._arrived = np.zeros((len(Joints._fields), n))
+        self._lead = np.zeros((2, n))
         self._link()
         self.reset()
 
@@ -193,21 +199,27 @@ class SpringObserver(Wrapper):
         controller are as they were.
         """
         nq, nv = self.arm.nq, self.arm.nv
-        q, v, q_d, v_d, a_d = cleaned_arguments(nq, nv, q, v, q_d, v_d, a_d)
-        np.clip(v, -LARGEST, LARGEST, out=self._v)
+        given = (q, v, q_d, v_d, a_d)
+        try:
+            are_read = read_arguments(*given, self._configurations, self._arrived)  # type: ignore[arg-type]
+        except (AttributeError, TypeError):  # not plain arrays of floats
+            are_read = False
+        if not are_read:
+            given = tuple(cleaned_arguments(nq, nv, *given))
+            read_arguments(*given, self._configurations, self._arrived)
         period = self.dt
         if dt is not None:
             shortest, longest = SHORTEST_TICK * self.dt, LONGEST_TICK * self.dt
             period = checks.finite_number("dt", dt, at_least=shortest, at_most=longest)
-        pin.crba(self._links, self._data, q)
-        pin.nonLinearEffects(self._links, self._data, q, self._v)
+        place, lead = self._q, self._lead
+        pin.crba(self._links, self._data, place)
+        pin.nonLinearEffects(self._links, self._data, place, self._v)
         self._code(period, *self._arguments)
-        place, lead = q, self._lead[0]
         if self.arm.is_euclidean:
-            place = q + lead
-        elif lead.any():
-            place = pin.integrate(self._links, q, lead)
-        tau: Array = self.controller.update(place, self._lead[1].copy(), q_d, v_d, a_d, dt)
+            place = place + lead[0]
+        elif lead[0].any():
+            place = pin.integrate(self._links, place, lead[0])
+        tau: Array = self.controller.update(place, lead[1], *given[2:], dt)
         self._state[:] = self._later
         self._sent[:-1] = self._sent[1:]
         self._sent[-1] = tau
@@ -252,6 +264,7 @@ class SpringObserver(Wrapper):
         self._links = self.arm.model.copy()
         self._links.armature = np.where(self.observed, 0.0, self.arm.armature)
         self._data = self._links.createData()
+        self._q, self._v = self._configurations[0], named_rows(self._arrived, Joints).v
         state = named_rows(self._state, SpringState)
         self._signals = {"motor_lead": state.deflection, "spring_load": state.load}
         self._arguments = (

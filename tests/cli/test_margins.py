@@ -51,6 +51,7 @@ def test_springs_bound_the_bandwidth_on_either_side():
     text = said("two_link", "--armature", "0.4", "--stiffness", "2000")
     assert "Encoders on the motor side: stable up to a bandwidth of" in text
     assert "Encoders on the link side: stable up to a bandwidth of" in text
+    assert "with a SpringObserver: stable up to a bandwidth of" in text
     assert "too fast, take --gain bandwidth=" in text
 
 

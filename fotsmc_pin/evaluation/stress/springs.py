@@ -6,7 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fotsmc_pin.analysis import largest_bandwidth, warn_of_soft_joints, with_bandwidth
+from fotsmc_pin.analysis import (
+    OBSERVED_SHARE,
+    largest_bandwidth,
+    warn_of_soft_joints,
+    with_bandwidth,
+)
 from fotsmc_pin.control import SpringObserver
 from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.learning import ModelLearning
@@ -17,9 +22,6 @@ if TYPE_CHECKING:
     from fotsmc_pin.control import Controller
     from fotsmc_pin.evaluation.stress.scenario import Scenario
 
-SHARE = 0.6
-"""Share of `largest_bandwidth` at which a law runs with encoders on the links."""
-
 
 def fitted_to_springs(
     controller: Controller[Any], scenario: Scenario
@@ -27,8 +29,8 @@ def fitted_to_springs(
     """Return the controller that a scenario is run with, and warn where it was too fast for it.
 
     With encoders on the links of elastic joints a `SpringObserver` goes around the law. It knows
-    what a maker states, the stiffness of the springs, and the rotors of the nominal arm; that the
-    springs are damped it does not know. A law with a `bandwidth` then runs at 0.6 of what
+    what a maker states, the stiffness of the springs, and the rotors of the nominal arm, which are
+    not the true ones. A law with a `bandwidth` then runs at 0.6 of what
     `largest_bandwidth` gives, and never faster than it was made. Every other controller is returned
     as it is.
 
@@ -53,7 +55,7 @@ def fitted_to_springs(
         edge = largest_bandwidth(observer, delay=scenario.delay)
     except ArgumentError:  # no bandwidth is stable: run it as it is
         return observer
-    return with_bandwidth(observer, min(made, SHARE * edge))
+    return with_bandwidth(observer, min(made, OBSERVED_SHARE * edge))
 
 
 def with_learning(
