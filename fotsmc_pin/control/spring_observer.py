@@ -205,8 +205,8 @@ class SpringObserver(Wrapper):
         except (AttributeError, TypeError):  # not plain arrays of floats
             are_read = False
         if not are_read:
-            given = tuple(cleaned_arguments(nq, nv, *given))
-            read_arguments(*given, self._configurations, self._arrived)
+            cleaned = cleaned_arguments(nq, nv, *given)
+            read_arguments(*cleaned, self._configurations, self._arrived)
         period = self.dt
         if dt is not None:
             shortest, longest = SHORTEST_TICK * self.dt, LONGEST_TICK * self.dt

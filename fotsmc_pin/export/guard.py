@@ -32,7 +32,7 @@ class GuardedLaw:
     """
 
     def __init__(self, guard: Safeguard, program: Program) -> None:
-        self.bare = BareLaw(guard.controller, program, wrapped=True)  # type: ignore[arg-type]
+        self.bare = BareLaw(guard.controller, program, wrapped=True)
         self.names, self.guard, self.program = self.bare.names, guard, program
         self.dialect, self.arm = program.dialect, guard.arm
         self._n = guard.arm.nv
@@ -259,8 +259,7 @@ class GuardedLaw:
 
     def _tick_lines(self) -> list[str]:
         n, real, number, status = self._n, self.dialect.real, self.dialect.number, self.names.status
-        one, zero = number(1.0), number(0.0)
-        bare = self.bare
+        one, zero, bare = number(1.0), number(0.0), self.bare
         seen = [
             f"are_finite(q, {self.arm.nq})",
             f"are_finite(v, {n})",
@@ -297,9 +296,6 @@ class GuardedLaw:
             "}",
             f"{self._rate}(sent, state->tau, state->torque_rate, period);",
             f"{self._limit}(sent, state->law.joints.effort_limit);",
-            f"for (int i = 0; i < {n}; i++) {{",
-            "    state->tau[i] = sent[i];",
-            "    tau[i] = sent[i];",
-            "}",
+            f"for (int i = 0; i < {n}; i++) {{ state->tau[i] = tau[i] = sent[i]; }}",
             "return state->stopped;",
         ]
