@@ -206,7 +206,7 @@ class SpringObserver(Wrapper):
             are_read = False
         if not are_read:
             cleaned = cleaned_arguments(nq, nv, *given)
-            read_arguments(*cleaned, self._configurations, self._arrived)
+            read_arguments(*cleaned, self._configurations, self._arrived)  # type: ignore[call-arg]
         period = self.dt
         if dt is not None:
             shortest, longest = SHORTEST_TICK * self.dt, LONGEST_TICK * self.dt
