@@ -21,8 +21,8 @@ FLOOR = "floor"
 SIDE, THICKNESS = 100.0, 1.0
 """Size of the floor, a flat box [m]."""
 DRAWS, MOSTLY = 50, 0.5
-"""Two links that touch at neutral are taken for one piece where they touch in most of so many
-random configurations too."""
+"""Two links that touch at neutral are taken for one piece where they touch in more than this share
+of so many random configurations too."""
 
 
 class SelfCollision:
@@ -34,7 +34,8 @@ class SelfCollision:
 
     Pairs of one link, and of links that a joint connects, are left out, as their shapes overlap by
     design; so are pairs that touch at `arm.neutral` and in most random configurations. Two links
-    that touch at neutral and hardly elsewhere are a real collision, and are kept.
+    that touch at neutral and hardly elsewhere are a real collision, and are kept. Pairs that are
+    nearer than the clearance there, by design, need not keep it: they must not touch.
 
     Args:
         arm: the arm; without collision shapes it never collides.
@@ -43,22 +44,24 @@ class SelfCollision:
             None for none.
 
     Attributes:
-        clearance: as given.
+        clearances: distance of each pair that counts as a collision (n,) [m]: the clearance, or 0.
         pairs: names of the shapes of each pair that is looked at.
         left_out: those that touch always.
     """
 
     def __init__(self, arm: Arm, *, clearance: float = 0.01, floor: float | None = None) -> None:
-        self.arm, self.clearance = arm, clearance
+        self.arm = arm
         self._model, self._data = arm.model, arm.model.createData()
         self._shapes = collision_model(arm)
         if floor is not None:
             self._add_floor(floor)
         self._add_pairs()
-        self.left_out = self._drop_what_always_touches()
+        self.left_out = self._drop(self._mostly_nearer_than(0.0))
+        near = self._mostly_nearer_than(clearance)
+        self.clearances = np.where(near, 0.0, clearance)
         self._exact = self._shapes.createData()
-        for request in self._exact.collisionRequests:
-            request.security_margin = clearance
+        for request, least in zip(self._exact.collisionRequests, self.clearances, strict=True):
+            request.security_margin = float(least)
 
     @property
     def pairs(self) -> tuple[tuple[str, str], ...]:
@@ -89,7 +92,7 @@ class SelfCollision:
         """Return whether any pair of shapes is closer than the clearance."""
         if not len(self._shapes.collisionPairs):
             return False
-        near = np.flatnonzero(self.distances(q) < self.clearance)
+        near = np.flatnonzero(self.distances(q) < self.clearances)
         if not near.size:
             return False
         pin.updateGeometryPlacements(self._model, self._data, self._shapes, self._exact, q)
@@ -142,24 +145,31 @@ class SelfCollision:
                 if a != b and not connected:
                     shapes.addCollisionPair(pin.CollisionPair(first, second))
 
-    def _drop_what_always_touches(self) -> tuple[tuple[str, str], ...]:
+    def _mostly_nearer_than(self, distance: float) -> np.ndarray:
+        """Return which pairs are nearer than a distance at neutral and in most configurations."""
         shapes = self._shapes
         data = shapes.createData()
+        for request in data.collisionRequests:
+            request.security_margin = distance
 
-        def touching(q: Array) -> Array:
+        def near(q: Array) -> np.ndarray:
             pin.computeCollisions(self._model, self._data, shapes, data, q, False)
-            return np.array([result.isCollision() for result in data.collisionResults], dtype=bool)
+            return np.array([found.isCollision() for found in data.collisionResults], dtype=bool)
 
-        at_neutral = touching(self.arm.neutral)
+        at_neutral = near(self.arm.neutral)
         if not at_neutral.any():
-            return ()
+            return at_neutral
         rng = np.random.default_rng(0)
-        draws = [touching(self.arm.random_configuration(rng)) for _ in range(DRAWS)]
-        always = at_neutral & (np.mean(draws, axis=0) > MOSTLY)
-        dropped = [(self.pairs[k], shapes.collisionPairs[int(k)]) for k in np.flatnonzero(always)]
-        for _, pair in dropped:
-            shapes.removeCollisionPair(pin.CollisionPair(pair.first, pair.second))
-        return tuple(names for names, _ in dropped)
+        draws = [near(self.arm.random_configuration(rng)) for _ in range(DRAWS)]
+        found: np.ndarray = at_neutral & (np.mean(draws, axis=0) > MOSTLY)
+        return found
+
+    def _drop(self, which: np.ndarray) -> tuple[tuple[str, str], ...]:
+        names = tuple(self.pairs[k] for k in np.flatnonzero(which))
+        pairs = [self._shapes.collisionPairs[int(k)] for k in np.flatnonzero(which)]
+        for pair in [pin.CollisionPair(pair.first, pair.second) for pair in pairs]:
+            self._shapes.removeCollisionPair(pair)
+        return names
 
 
 def collision_model(arm: Arm) -> pin.GeometryModel:

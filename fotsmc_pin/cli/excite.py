@@ -58,7 +58,7 @@ def excite(
     floor: Annotated[
         float | None,
         typer.Option(
-            help="Height of a floor or table, from the base of the arm [m]: no link goes below.",
+            help="Height of a floor or table in the frame of the world [m]: no link goes below.",
             rich_help_panel=BOUNDS,
         ),
     ] = None,

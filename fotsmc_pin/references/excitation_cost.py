@@ -187,12 +187,14 @@ class Cost:
         collision = self.collision
         if not collision.pairs:
             return 0.0, slopes
-        value, reach = 0.0, collision.clearance + APPROACH
+        # Pairs that are near by design are pushed away only where they overlap.
+        reach = collision.clearances + np.where(collision.clearances > 0.0, APPROACH, 0.0)
+        value = 0.0
         weight = 0.1 * self.penalty / len(q)
         for k, row in enumerate(q):
             distances = collision.prepare_gradients(row)
             for pair in np.flatnonzero(distances < reach):
-                depth = (reach - distances[pair]) / APPROACH
+                depth = (reach[pair] - distances[pair]) / APPROACH
                 value += weight * depth**2
                 slopes[k] -= 2.0 * weight * depth / APPROACH * collision.gradient(int(pair))
         return value, slopes
