@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from fotsmc_pin.arms import Arm
     from fotsmc_pin.identification.reading import ReadLog
     from fotsmc_pin.identification.regressor import Equations
+    from fotsmc_pin.identification.result import IdentifiedParameter
     from fotsmc_pin.types import Array
 
 BETTER, AT_LEAST = 0.1, 25.0
@@ -42,6 +43,8 @@ ALIKE = 0.1
 """Share of that decrease within which two explanations are equally good."""
 NOISY = 0.6
 """Correlation of a velocity with that of its positions which noise alone may leave."""
+LEAST_TOLD = 0.5
+"""Share of the base parameters that the logs are to tell."""
 LEAST_TRAVEL = 0.02
 """Travel of a joint below which it tells nothing [rad, m]."""
 
@@ -78,6 +81,21 @@ def warn_of_unused(arm: Arm, systems: Sequence[Equations]) -> None:
             f"{', '.join(few)} stick or shake in nearly all of the logs, where dry friction can be "
             "anything: their parameters stay as in the file; let them move smoothly, and in long "
             "strokes",
+            LogWarning,
+        )
+
+
+def warn_of_little(rows: Sequence[IdentifiedParameter]) -> None:
+    """Warn where most base parameters are hardly better known than before.
+
+    Warns:
+        LogWarning: how many the log tells.
+    """
+    told = sum(row.known for row in rows)
+    if told < LEAST_TOLD * len(rows):
+        warn_user(
+            f"too little motion: the logs tell {told} of {len(rows)} base parameters, the others "
+            "stay near the file's; move farther and faster, as references.Excitation does",
             LogWarning,
         )
 

@@ -11,7 +11,7 @@ from fotsmc_pin.arms import demand_arm
 from fotsmc_pin.identification.base_parameters import base_of
 from fotsmc_pin.identification.consistent import consistent
 from fotsmc_pin.identification.described import base_rows, parameter_rows, untold
-from fotsmc_pin.identification.diagnosis import demand_sense, warn_of_unused
+from fotsmc_pin.identification.diagnosis import demand_sense, warn_of_little, warn_of_unused
 from fotsmc_pin.identification.filtering import chosen_width
 from fotsmc_pin.identification.fit import fit
 from fotsmc_pin.identification.prior import body_sizes, nominal_belief
@@ -111,6 +111,7 @@ def identify(
         ]
         report(1.0)
     rows = base_rows(base, belief, theta, linear.covariance)
+    warn_of_little(rows)
     return Identification(
         arm=identified,
         nominal=arm,

@@ -155,5 +155,14 @@ def test_a_joint_that_shakes_is_warned_of():
     log = hidden.calculated(arm, motion, duration=6.0)
     shaken = log.q + np.array([0.0, 0.02]) * np.sin(60.0 * log.t)[:, None]
     tau = log.tau + 50.0 * np.random.default_rng(0).standard_normal(log.tau.shape)
-    with pytest.warns(LogWarning, match="joint2 stick or shake"):
+    with pytest.warns(LogWarning) as caught:
         fp.identify(replace(log, q=shaken, v=None, tau=tau), arm)
+    assert any("joint2 stick or shake" in str(warning.message) for warning in caught)
+
+
+def test_a_motion_that_tells_little_is_warned_of():
+    arm = fp.load_arm("ur5")
+    small = fp.references.Sinusoid.inside_limits(arm, amplitude=0.03, period=8.0)
+    log = hidden.calculated(arm, small, duration=8.0)
+    with pytest.warns(LogWarning, match="of 52 base parameters"):
+        fp.identify(log, arm)
