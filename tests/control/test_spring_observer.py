@@ -202,3 +202,11 @@ def test_wrong_arguments_are_named(options, name):
 def test_what_is_not_a_controller_is_refused():
     with pytest.raises(ArgumentError, match="controller"):
         fp.SpringObserver(arm_of(), 1e4)
+
+
+def test_a_safeguard_goes_around_it():
+    guarded, twin = fp.Safeguard(observer()), fp.Safeguard(observer())
+    run(guarded, 20)
+    twin.restore_state(guarded.save_state())
+    assert np.array_equal(run(twin, 20, seed=1), run(guarded, 20, seed=1))
+    assert guarded.gains is guarded.controller.controller.gains

@@ -15,6 +15,7 @@ from fotsmc_pin.evaluation.stress.courses import lasting
 from fotsmc_pin.evaluation.stress.judging import judge, run_row
 from fotsmc_pin.evaluation.stress.payloads import stress_payload
 from fotsmc_pin.evaluation.stress.plants import drive_size, with_rotors
+from fotsmc_pin.evaluation.stress.springs import with_learning
 from fotsmc_pin.references import broken_limits
 
 CASES = {case.label: case for cases in SCENARIOS.values() for case in cases}
@@ -271,3 +272,13 @@ def test_encoders_on_the_links_run_at_the_bandwidth_that_the_springs_bear():
     assert row.tail_rms_error < 0.03  # friction and payload, which such slow rates reject late
     assert row.largest_swing is not None
     assert row.largest_swing < 5e-3
+
+
+def test_learning_goes_inside_of_the_observer_of_springs():
+    law = fp.RobustFONFTSM(fp.load_arm("two_link", armature=0.1), 1e-3)
+    bare = with_learning(law, 2)
+    assert isinstance(bare, fp.ModelLearning)
+    observed = with_learning(fp.SpringObserver(law, 1e4, delay=2), 2)
+    assert isinstance(observed, fp.SpringObserver)
+    assert isinstance(observed.controller, fp.ModelLearning)
+    assert (observed.delay, observed.controller.delay) == (2, 2)
