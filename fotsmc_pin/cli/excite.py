@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import numpy as np
 import typer
 
 from fotsmc_pin.cli.arm_options import ArmName, ArmOptions
@@ -16,6 +15,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from fotsmc_pin.references import Excitation
+    from fotsmc_pin.types import Array
 
 BOUNDS = "How far, how fast and how hard"
 
@@ -94,12 +94,14 @@ def excite(
 
 
 def _rows(motion: Excitation) -> list[tuple[str, str]]:
+    import numpy as np
+
     arm, room = motion.arm, motion.room
     t = np.arange(0.0, motion.period, 0.01)
     _, v, a = motion.joint_motion(t)
     efforts = np.array([arm.inverse_dynamics(*motion(float(instant))) for instant in t])
 
-    def share(values: np.ndarray, bounds: np.ndarray) -> str:
+    def share(values: Array, bounds: Array) -> str:
         used = np.abs(values).max(axis=0) / bounds
         return f"at most {100 * used.max():.0f} % ({arm.joint_names[int(used.argmax())]})"
 
