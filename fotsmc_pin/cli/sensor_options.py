@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
-import numpy as np
 import typer
 
 from fotsmc_pin.errors import ArgumentError
@@ -60,6 +60,8 @@ class SensorOptions:
         Raises:
             ArgumentError: an option cannot be used.
         """
+        import numpy as np
+
         from fotsmc_pin.simulation import Chain, Encoder, NoisySensor, TorqueSensor
 
         parts: list[Sensor] = []
@@ -87,6 +89,6 @@ class SensorOptions:
 
 
 def _at_least_zero(option: str, value: float) -> float:
-    if not (value >= 0.0 and np.isfinite(value)):
+    if not (value >= 0.0 and math.isfinite(value)):
         raise ArgumentError(option, value, "give a number of at least 0")
     return value
