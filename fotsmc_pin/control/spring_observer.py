@@ -199,9 +199,9 @@ class SpringObserver(Wrapper):
         controller are as they were.
         """
         nq, nv = self.arm.nq, self.arm.nv
-        given = (q, v, q_d, v_d, a_d)
+        given: tuple[Any, ...] = (q, v, q_d, v_d, a_d)
         try:
-            are_read = read_arguments(*given, self._configurations, self._arrived)  # type: ignore[arg-type]
+            are_read = read_arguments(*given, self._configurations, self._arrived)
         except (AttributeError, TypeError):  # not plain arrays of floats
             are_read = False
         if not are_read:
