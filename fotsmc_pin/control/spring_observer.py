@@ -199,14 +199,14 @@ class SpringObserver(Wrapper):
         controller are as they were.
         """
         nq, nv = self.arm.nq, self.arm.nv
-        given = (q, v, q_d, v_d, a_d)
+        given: tuple[Any, ...] = (q, v, q_d, v_d, a_d)
         try:
-            are_read = read_arguments(*given, self._configurations, self._arrived)  # type: ignore[arg-type]
+            are_read = read_arguments(*given, self._configurations, self._arrived)  # type: ignore[call-arg]
         except (AttributeError, TypeError):  # not plain arrays of floats
             are_read = False
         if not are_read:
-            cleaned = cleaned_arguments(nq, nv, *given)
-            read_arguments(*cleaned, self._configurations, self._arrived)  # type: ignore[call-arg]
+            given = tuple(cleaned_arguments(nq, nv, *given))
+            read_arguments(*given, self._configurations, self._arrived)  # type: ignore[call-arg]
         period = self.dt
         if dt is not None:
             shortest, longest = SHORTEST_TICK * self.dt, LONGEST_TICK * self.dt
