@@ -18,6 +18,7 @@ from fotsmc_pin.evaluation.stress import (
     run_random_scenarios,
     stress,
     stress_scenario,
+    springs,
     suite,
 )
 from fotsmc_pin.evaluation.stress.judging import StressRow, run_row
@@ -210,12 +211,12 @@ class TestLearning:
     def test_the_delay_of_the_case_is_known_to_it(self, monkeypatch):
         told = []
 
-        class Noted(suite.ModelLearning):
+        class Noted(springs.ModelLearning):
             def __init__(self, controller, **options):
                 told.append(options["delay"])
                 super().__init__(controller, **options)
 
-        monkeypatch.setattr(suite, "ModelLearning", Noted)
+        monkeypatch.setattr(springs, "ModelLearning", Noted)
         cases = ["delay", "sine raw"]
         rows = stress(["asr_twodof"], ["ComputedTorque"], scenarios=cases, duration=0.1, learn=True)
         by_hand = [case.delay for case in suite.chosen_cases(cases)]
