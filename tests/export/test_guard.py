@@ -59,7 +59,7 @@ STOPS = {
 }
 
 
-@pytest.mark.parametrize("name", ["kinova", "two_link"])
+@pytest.mark.parametrize("name", [pytest.param("kinova", marks=pytest.mark.long), "two_link"])
 @pytest.mark.parametrize("why", STOPS)
 def test_it_stops_as_pythons_does(why, name, compiled):
     spoil, code = STOPS[why]

@@ -16,9 +16,9 @@ from fotsmc_pin.evaluation.stress import (
     markdown,
     random_scenario,
     run_random_scenarios,
+    springs,
     stress,
     stress_scenario,
-    springs,
     suite,
 )
 from fotsmc_pin.evaluation.stress.judging import StressRow, run_row
