@@ -5,7 +5,7 @@ from __future__ import annotations
 import webbrowser
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -28,7 +28,6 @@ from fotsmc_pin.errors import ArgumentError, DivergenceError, RunInterrupted
 
 if TYPE_CHECKING:
     from fotsmc_pin.arms import Arm
-    from fotsmc_pin.control import Controller
     from fotsmc_pin.simulation import Recording
     from fotsmc_pin.types import Actuator
 
@@ -45,15 +44,6 @@ def simulate(
             "--learn",
             help="Let the law learn its model while the arm moves, and keep what was learnt as "
             "estimates.md, estimates.json and learned.urdf. --delay is known to it.",
-            rich_help_panel=LAW_PANEL,
-        ),
-    ] = False,
-    feed_friction: Annotated[
-        bool,
-        typer.Option(
-            "--feed-friction",
-            help="Feed the friction that the nominal URDF states forward: for one that was "
-            "identified.",
             rich_help_panel=LAW_PANEL,
         ),
     ] = False,
@@ -138,8 +128,6 @@ def simulate(
     warn_of_missing_rotors(nominal)
     warn_of_limits(plant_arm, task.reference, seconds)
     warn_of_soft_joints(bare, plant_arm, encoder="motor", delay=delay)
-    if feed_friction:
-        _feed_friction(bare, learn)
     controller = ModelLearning(bare, delay=delay) if learn else bare
     told = Told(
         nominal=nominal,
@@ -198,20 +186,6 @@ def _true_arm(nominal: Arm, true: str | None, plant: PlantOptions, options: ArmO
         return plant.apply(nominal)
     loaded = load_true_arm(true, nominal, options)
     return plant.apply(loaded) if plant.asks_for_changes else loaded
-
-
-def _feed_friction(law: Controller[Any], learn: bool) -> None:
-    from fotsmc_pin.control import FrictionTerms
-
-    if learn:
-        raise ArgumentError("--feed-friction", True, "leave it out: --learn feeds friction forward")
-    if not law.uses_model:
-        remedy = f"leave it out: {type(law).__name__} uses no model"
-        raise ArgumentError("--feed-friction", True, remedy)
-    if not (law.arm.friction.any() or law.arm.damping.any()):
-        remedy = "give a nominal URDF that states friction, such as one of `fotsmc identify`"
-        raise ArgumentError("--feed-friction", True, remedy)
-    law.use_terms(FrictionTerms(law.arm))
 
 
 def _actuator(delay: int) -> Actuator | None:

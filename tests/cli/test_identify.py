@@ -5,7 +5,7 @@ from typer.testing import CliRunner
 
 import fotsmc_pin as fp
 from fotsmc_pin.cli import app
-from fotsmc_pin.errors import ArgumentError, LogError, OutputExistsError
+from fotsmc_pin.errors import LogError, OutputExistsError
 from tests.identification import hidden
 
 FIGURE = "data:image/"
@@ -42,7 +42,9 @@ def test_a_log_becomes_a_urdf_and_a_page(logs, tmp_path):
     for part in ("Base parameters", "Torque of other logs", "What could not be told", FIGURE):
         assert part in page
     assert "http://" not in page.replace("http://www.w3.org", "")
-    assert fp.load_arm(out).friction.min() > 0.0
+    identified = fp.load_arm(out)
+    assert identified.friction.min() > 0.0
+    assert identified.friction_is_known
     with pytest.raises(OutputExistsError, match="--force"):
         said(*words)
     weighed = said("payload", logs / "loaded.csv", "--urdf", out, "-o", tmp_path / "loaded.urdf")
@@ -56,27 +58,3 @@ def test_a_wrong_log_leaves_nothing_behind(logs, tmp_path):
     with pytest.raises(LogError, match="gravity"):
         said("identify", logs / "log.csv", "--urdf", "two_link", "-o", out, *gravity)
     assert not [*tmp_path.iterdir()]
-
-
-def test_friction_that_was_identified_is_fed_forward(tmp_path):
-    arm = fp.perturb(fp.load_arm("two_link"), friction=5.0)
-    arm.write_urdf(tmp_path / "identified.urdf")
-    run = ("simulate", tmp_path / "identified.urdf", "--controller", "ComputedTorque")
-    errors = []
-    for folder, more in (("without", ()), ("with", ("--feed-friction",))):
-        said(*run, *more, "--duration", 3, "--out", tmp_path / folder)
-        errors.append(fp.summarize(fp.Recording.load(tmp_path / folder / "run.npz")).rms_error)
-    assert errors[1] < 0.2 * errors[0]
-
-
-@pytest.mark.parametrize(
-    ("words", "reason"),
-    [
-        (("two_link",), "states friction"),
-        (("two_link", "--learn"), "--learn feeds"),
-        (("two_link", "--controller", "TDEFONTSM"), "no model"),
-    ],
-)
-def test_friction_that_nobody_states_or_uses_is_not_fed(words, reason, tmp_path):
-    with pytest.raises(ArgumentError, match=reason):
-        said("simulate", *words, "--feed-friction", "--out", tmp_path / "run")
