@@ -73,6 +73,7 @@ def simulate(
     substeps: int = 1,
     integrator: str | None = None,
     encoder: str = "motor",
+    end_stops: bool = False,
     record_every: int = 1,
     jitter: float = 0.0,
     seed: int = 0,
@@ -113,6 +114,8 @@ def simulate(
             or damping too strong for explicit steps.
         encoder: side of an elastic joint's spring on which position and speed are measured, "motor"
             or "link"; `sensor` is given what the encoders see. On a rigid joint they are the same.
+        end_stops: True gives each joint a stiff, damped stop at both ends of its range; the signal
+            "end_stop" is the torque of the stops. Without, joints turn on beyond their ranges.
         record_every: ticks from one recorded row to the next.
         jitter: share of a period by which a tick may come early or late, below 0.5; above 0 the
             controller is told the measured period, as `update(..., dt=...)`.
@@ -151,6 +154,7 @@ def simulate(
         integrator=integrator,
         disturbance=push,
         wrenches=wrenches,
+        end_stops=end_stops,
     )
     for part in (controller, sensor, actuator):
         reset = getattr(part, "reset", None)
