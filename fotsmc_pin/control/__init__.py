@@ -19,7 +19,7 @@ from fotsmc_pin.control.friction_compensation import FrictionCompensation
 from fotsmc_pin.control.linear_smc import LinearSMC
 from fotsmc_pin.control.nonsingular_tsm import NonsingularTSM
 from fotsmc_pin.control.robust_fonftsm import RobustFONFTSM
-from fotsmc_pin.control.safety import Safeguard, SoftStart
+from fotsmc_pin.control.safety import Limits, Safeguard, SoftStart
 from fotsmc_pin.control.super_twisting_smc import SuperTwistingSMC
 from fotsmc_pin.control.tde_fontsm import TDEFONTSM
 from fotsmc_pin.control.terminal_smc import TerminalSMC
@@ -54,6 +54,7 @@ __all__ = [
     "FractionalSwitchingSMC",
     "FrictionCompensation",
     "GravityWarning",
+    "Limits",
     "LinearSMC",
     "NonsingularTSM",
     "PaperConditionWarning",

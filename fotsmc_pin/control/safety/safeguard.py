@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fotsmc_pin import checks
+from fotsmc_pin.control.safety.limit_filter import LimitFilter
 from fotsmc_pin.control.safety.soft_start import SoftStart
 from fotsmc_pin.control.saved_state import part, present, with_prefix
 from fotsmc_pin.copying import SharesNothing
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 
     from fotsmc_pin.control.friction_compensation import FrictionCompensation
     from fotsmc_pin.control.safety.guarded import Guarded
+    from fotsmc_pin.control.safety.limits import Limits
     from fotsmc_pin.types import Array
 
 SETTLING = 10.0
@@ -53,6 +55,7 @@ class Safeguard(SharesNothing):
         watchdog: float | None = None,
         speed_margin: float = 1.2,
         stop_ramp: float = 0.3,
+        limits: Limits | None = None,
     ) -> None:
         """Wrap a controller.
 
@@ -65,6 +68,10 @@ class Safeguard(SharesNothing):
             watchdog: longest time between two ticks before a safe stop [s]; ten ticks if None.
             speed_margin: share of the arm's speed limits at which a safe stop begins.
             stop_ramp: time in which a safe stop takes over [s].
+            limits: what the arm may never pass. They hold for every torque, that of a safe stop
+                included; where none is near, the torque is the law's bit for bit. The signal
+                "limit_torque" (nv,) is what they add to it. Where they cannot be kept, a safe
+                stop begins. The first `update` after a reset refuses a start beyond them.
 
         Raises:
             ArgumentError: a number out of its bounds.
@@ -82,12 +89,14 @@ class Safeguard(SharesNothing):
         margin = checks.finite_number("speed_margin", speed_margin, above=0.0)
         self._fastest = margin * self.arm.velocity_limit
         self.stop_ramp = checks.finite_number("stop_ramp", stop_ramp, at_least=0.0)
+        self._limits = None if limits is None else LimitFilter(limits, self.dt, self._rate)
         self.reset()
 
     @property
     def signals(self) -> dict[str, Array]:
-        """The controller's signals."""
-        return self.controller.signals
+        """The controller's signals, and those of the limits."""
+        own = {} if self._limits is None else self._limits.signals
+        return self.controller.signals | own
 
     @property
     def gains(self) -> Any:
@@ -109,6 +118,8 @@ class Safeguard(SharesNothing):
         self._tau = np.zeros(self.arm.nv)
         self._before_stop = self._tau
         self._q: Array | None = None
+        if self._limits is not None:
+            self._limits.reset()
 
     def save_state(self) -> dict[str, Array]:
         """Return everything that is remembered, the controller's memory included, as arrays."""
@@ -119,10 +130,12 @@ class Safeguard(SharesNothing):
             "stopped": self.stopped or "",
             "q": [] if self._q is None else self._q,
         }
+        limits = {} if self._limits is None else self._limits.save_state()
         return (
             {name: np.array(value) for name, value in own.items()}
             | with_prefix("soft_start", self._lead.save_state())
             | with_prefix("controller", self.controller.save_state())
+            | with_prefix("limits", limits)
         )
 
     def restore_state(self, arrays: Mapping[str, ArrayLike]) -> None:
@@ -141,6 +154,8 @@ class Safeguard(SharesNothing):
         lead = copy.copy(self._lead)
         lead.restore_state(part(arrays, "soft_start"))
         self.controller.restore_state(part(arrays, "controller"))
+        if self._limits is not None:
+            self._limits.restore_state(part(arrays, "limits"))
         self._lead, self._tau, self._before_stop = lead, tau, before_stop
         self._ramp, self.stopped, self._q = ramp, stopped, place
 
@@ -167,14 +182,23 @@ class Safeguard(SharesNothing):
         if not 0.0 < period <= self.watchdog:
             self.stop(f"a tick of {period:g} s, the watchdog allows {self.watchdog:g} s")
             period, dt = self.dt, None
+        if self._limits is not None and not self._limits.has_started:
+            self._limits.demand_start(q, v)
         tau = self._guarded(q, v, q_d, v_d, a_d, period, dt)
+        if self._limits is not None:
+            q, v = self._limits.state(q, v)
         if self.stopped is not None:
             tau = self._safe_stop(q, v, period)
         if self._rate is not None:
             step = self._rate * period
             tau = np.clip(tau, self._tau - step, self._tau + step)
-        self._tau = np.clip(tau, -self.arm.effort_limit, self.arm.effort_limit)
-        return self._tau.copy()
+        tau = np.clip(tau, -self.arm.effort_limit, self.arm.effort_limit)
+        if self._limits is not None:
+            tau = self._limits.torque(tau, self._tau)
+            if self._limits.broken is not None:
+                self.stop(self._limits.broken)
+        self._tau = tau
+        return tau.copy()
 
     def _guarded(
         self, q: Any, v: Any, q_d: Any, v_d: Any, a_d: Any, period: float, dt: float | None
@@ -190,6 +214,8 @@ class Safeguard(SharesNothing):
                 return self._tau
             target = self._lead.lead(q, speed, q_d, v_d, a_d, period)
             tau = self.controller.update(q, speed, *target, dt=dt)
+            if self._limits is not None:
+                tau = checks.finite_vector("torque", tau, self.arm.nv)
         except (MeasurementError, ValueError) as error:
             self.stop(f"measurement: {error}")
             return self._tau

@@ -1,0 +1,205 @@
+"""`LimitFilter`: the torque nearest to a law's that keeps an arm within its `Limits`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pinocchio as pin
+
+from fotsmc_pin import checks
+from fotsmc_pin.compiled import specialized
+from fotsmc_pin.control.safety import limit_kernels as rows
+from fotsmc_pin.control.safety.limit_kernels import filtered, read_state
+from fotsmc_pin.control.saved_state import present
+from fotsmc_pin.copying import SharesNothing
+from fotsmc_pin.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import ArrayLike
+
+    from fotsmc_pin.control.safety.limits import Limits
+    from fotsmc_pin.types import Array
+
+UNLIMITED = 1e9
+"""Stands for an acceleration or a speed that nothing limits [rad/s², rad/s]."""
+LOST = 1.0
+"""A bound counts as lost where it is exceeded by this share of a joint's deceleration, for longer
+than the delay of the loop."""
+LINKED = {"_model", "_data", "_M", "_h", "_q", "_v", "_filtered", "_read"}
+"""Attributes that only refer to other memory; no copy takes them along."""
+
+
+class LimitFilter(SharesNothing):
+    """Keeps an arm within its limits, one torque after the other.
+
+    A tick is `state`, then `torque`. Where a measurement is not usable, the state stands in to
+    which the accelerations that were sent should have led.
+
+    Attributes:
+        limits: what is kept.
+        has_started: whether a usable state was seen since the last reset.
+        broken: which limit could not be kept, in plain words; None while all can.
+    """
+
+    def __init__(self, limits: Limits, dt: float, torque_rate: Array | None = None) -> None:
+        """Prepare for ticks of `dt` seconds and drives of a limited torque rate (nv,) [N·m/s]."""
+        self.limits, self.arm, self._dt = limits, limits.arm, dt
+        n = self.arm.nv
+        effort = self.arm.effort_limit
+        self._step = None if torque_rate is None else torque_rate * dt
+        self._table = table = np.zeros((rows.PENDING + limits.delay, n))
+        self._work = np.zeros((2 * n + 1, n))
+        self._torque = np.zeros((2, n))
+        self._state = np.zeros((2, max(n, self.arm.nq)))
+        self._places = np.array(self.arm.model.idx_qs[1:], dtype=np.int64)
+        speed = np.minimum(limits.velocity_share * np.asarray(limits.velocity), UNLIMITED)
+        table[rows.SPEED], table[rows.BRAKING] = speed, limits.braking
+        table[rows.ACCELERATION] = np.minimum(limits.acceleration, UNLIMITED)
+        table[rows.LEAST_TORQUE], table[rows.MOST_TORQUE] = -effort, effort
+        if torque_rate is not None:  # the time in which a torque turns from one limit to the other
+            table[rows.LAG] = 2.0 * effort / torque_rate
+        self._link()
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget every tick."""
+        self.has_started, self.broken = False, None
+        self._lost = 0
+        self._table[rows.X : rows.LEAST_TORQUE] = 0.0
+        self._table[rows.LEAST :] = 0.0
+        self._torque[:] = 0.0
+        self._table[rows.LOWER] = self.limits.lower + np.asarray(self.limits.margin)
+        self._table[rows.UPPER] = self.limits.upper - np.asarray(self.limits.margin)
+
+    @property
+    def signals(self) -> dict[str, Array]:
+        """What the limits added to the last torque, (nv,) [N·m, N]."""
+        return {"limit_torque": self._torque[0] - self._torque[1]}
+
+    def demand_start(self, q: ArrayLike, v: ArrayLike) -> None:
+        """Refuse a first state beyond the limits; one that is not usable is left to others.
+
+        A joint that starts within the margin of an end is held where it is.
+
+        Raises:
+            ArgumentError: naming the joint.
+        """
+        limits, arm = self.limits, self.arm
+        try:
+            q = checks.finite_vector("q", q, arm.nq)
+            v = checks.finite_vector("v", v, arm.nv)
+        except ValueError:
+            return
+        lower, upper, velocity = (
+            np.asarray(part) for part in (limits.lower, limits.upper, limits.velocity)
+        )
+        x = np.where(np.isfinite(lower) | np.isfinite(upper), q[self._places], 0.0)
+        beyond = np.maximum(x - upper, lower - x)
+        if (beyond > 0.0).any():
+            j = int(np.argmax(beyond))
+            remedy = (
+                f"{arm.joint_names[j]} starts at {x[j]:.4g} {arm.position_units[j]}, beyond its "
+                f"limits {lower[j]:.4g} … {upper[j]:.4g}; bring it back first"
+            )
+            raise ArgumentError("q", q, remedy)
+        if (np.abs(v) > velocity).any():
+            j = int(np.argmax(np.abs(v) - velocity))
+            remedy = f"{arm.joint_names[j]} starts faster than its limit of {velocity[j]:.4g}"
+            raise ArgumentError("v", v, remedy)
+        self._table[rows.LOWER] = np.minimum(self._table[rows.LOWER], x)
+        self._table[rows.UPPER] = np.maximum(self._table[rows.UPPER], x)
+        self.has_started = True
+
+    def state(self, q: Any, v: Any) -> tuple[Array, Array]:
+        """Return the state of this tick: what was measured, or what stands in for it."""
+        n, nq = self.arm.nv, self.arm.nq
+        try:
+            known_q = checks.finite_vector("q", q, nq)
+            known_v = checks.finite_vector("v", v, n)
+        except ValueError:
+            if not self.has_started:
+                return q, v
+            a, dt = self._table[rows.A], self._dt
+            speed = self._state[1, :n]
+            known_q = pin.integrate(self._model, self._state[0, :nq], dt * speed + 0.5 * dt * dt * a)
+            known_v = speed + dt * a
+        self._state[0, :nq], self._state[1, :n] = known_q, known_v
+        return known_q, known_v
+
+    def torque(self, tau: Array, last: Array) -> Array:
+        """Return the torque (nv,) nearest to `tau` that keeps the limits; `last` is that before.
+
+        Bit for bit `tau` where no limit is near.
+        """
+        if not self.has_started:
+            return tau
+        table, sent, law = self._table, *self._torque
+        law[:] = tau
+        if self._step is not None:
+            effort = self.arm.effort_limit
+            table[rows.LEAST_TORQUE] = np.maximum(-effort, last - self._step)
+            table[rows.MOST_TORQUE] = np.minimum(effort, last + self._step)
+        q, v = self._q, self._v
+        pin.crba(self._model, self._data, q)
+        pin.nonLinearEffects(self._model, self._data, q, v)
+        self._read(q, v, self._places, table)
+        worst = self._filtered(self._dt, sent, law, self._M, self._h, self._work, table)
+        self._watch(worst)
+        return sent.copy()
+
+    def _watch(self, worst: float) -> None:
+        """Note a limit that could not be kept for longer than the delay of the loop."""
+        self._lost = self._lost + 1 if worst > LOST else 0
+        if self._lost > self.limits.delay + 3:
+            j = int(np.argmax(self._table[rows.EXCESS]))
+            self.broken = f"{self.arm.joint_names[j]} has not the torque to keep its limits"
+
+    def save_state(self) -> dict[str, Array]:
+        """Return everything that is remembered."""
+        return {
+            "table": self._table.copy(),
+            "torque": self._torque.copy(),
+            "state": self._state.copy(),
+            "started": np.array(self.has_started),
+            "lost": np.array(self._lost),
+            "broken": np.array(self.broken or ""),
+        }
+
+    def restore_state(self, arrays: Mapping[str, ArrayLike]) -> None:
+        """Take over what `save_state` gave.
+
+        Raises:
+            ArgumentError: an array is missing or of the wrong shape.
+        """
+        table = checks.finite_array(
+            "table", present(arrays, "table"), self._table.shape, unlimited=True
+        )
+        torque = checks.finite_array("torque", present(arrays, "torque"), self._torque.shape)
+        state = checks.finite_array("state", present(arrays, "state"), self._state.shape)
+        lost = int(np.asarray(present(arrays, "lost")))
+        started = bool(np.asarray(present(arrays, "started")))
+        self.broken = str(present(arrays, "broken")) or None
+        self._table[:], self._torque[:], self._state[:] = table, torque, state
+        self._lost, self.has_started = lost, started
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return everything but what `_link` makes."""
+        return {name: value for name, value in self.__dict__.items() if name not in LINKED}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._link()
+
+    def _link(self) -> None:
+        """Make what only refers to other memory: Pinocchio's scratch memory, views, the code."""
+        self._model, self._data = self.arm.model, self.arm.model.createData()
+        self._M, self._h = self._data.M.T, self._data.nle
+        self._q, self._v = self._state[0, : self.arm.nq], self._state[1, : self.arm.nv]
+        sent, law = self._torque
+        self._read = specialized(read_state, self._q, self._v, self._places, self._table)
+        self._filtered = specialized(
+            filtered, self._dt, sent, law, self._M, self._h, self._work, self._table
+        )
