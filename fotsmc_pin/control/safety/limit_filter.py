@@ -50,7 +50,7 @@ class LimitFilter(SharesNothing):
         n = self.arm.nv
         effort = self.arm.effort_limit
         self._step = None if torque_rate is None else torque_rate * dt
-        self._table = table = np.zeros((rows.PENDING + limits.delay, n))
+        self._table = table = np.zeros((rows.PENDING + limits.delay + 1, n))
         self._work = np.zeros((2 * n + 1, n))
         self._torque = np.zeros((2, n))
         self._state = np.zeros((2, max(n, self.arm.nq)))
@@ -111,6 +111,7 @@ class LimitFilter(SharesNothing):
             raise ArgumentError("v", v, remedy)
         self._table[rows.LOWER] = np.minimum(self._table[rows.LOWER], x)
         self._table[rows.UPPER] = np.maximum(self._table[rows.UPPER], x)
+        self._table[rows.LAST_V] = v
         self.has_started = True
 
     def state(self, q: Any, v: Any) -> tuple[Array, Array]:

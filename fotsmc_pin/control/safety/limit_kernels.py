@@ -44,15 +44,18 @@ TOLERANCE = 1e-3
 """Share of a joint's deceleration by which an acceleration may exceed its bound."""
 HALVINGS = 4
 """Steps of the search for how much the law has to give way; 1/16 is close enough."""
+LEARNING = 2.0
+"""Time constant with which the model's error is followed, in horizons of the bounds."""
 REST = 0.05
 """Time constant with which joints are braked that have to give way [s]."""
 
 # Rows of the filter's table: constants, what a tick brings, what it gives.
 LOWER, UPPER, SPEED, BRAKING, ACCELERATION, LAG = range(6)
 X, V, LEAST_TORQUE, MOST_TORQUE = range(6, 10)
-LEAST, MOST, A, BRAKE, EXCESS = range(10, 15)
-PENDING = 15
-"""First of the rows of accelerations that were sent and may not yet act, the newest first."""
+LEAST, MOST, A, BRAKE, EXCESS, LAST_V, ERROR = range(10, 17)
+PENDING = 17
+"""First of the rows of accelerations that were sent, the newest first; all but the oldest may not
+yet act."""
 
 
 @kernel
@@ -83,6 +86,7 @@ def filtered(
         all are kept.
     """
     n = tau.size
+    learn_error(period, table)
     bound_accelerations(period, table)
     factor, a = work[:n], table[A]
     cholesky(M, factor)
@@ -105,9 +109,21 @@ def filtered(
 
 
 @kernel
+def learn_error(period: float, table: Array) -> None:
+    """Follow by how much joints accelerate more than the nominal arm would."""
+    delays = table.shape[0] - PENDING - 1
+    sent = PENDING + (delays + 1) // 2
+    share = 1.0 / (1.0 + LEARNING * (delays + 3))
+    for j in range(table.shape[1]):
+        seen = (table[V, j] - table[LAST_V, j]) / period
+        table[ERROR, j] += share * (seen - table[sent, j] - table[ERROR, j])
+        table[LAST_V, j] = table[V, j]
+
+
+@kernel
 def bound_accelerations(period: float, table: Array) -> None:
     """Write the least and the most acceleration of each joint."""
-    delays = table.shape[0] - PENDING
+    delays = table.shape[0] - PENDING - 1
     for j in range(table.shape[1]):
         x, v, lag = table[X, j], table[V, j], table[LAG, j]
         lowest = highest = x
@@ -123,6 +139,8 @@ def bound_accelerations(period: float, table: Array) -> None:
         most = room(table[UPPER, j] - highest, fastest, horizon, j, table)
         least = -room(lowest - table[LOWER, j], -slowest, horizon, j, table)
         cap = table[ACCELERATION, j]
+        most -= max(table[ERROR, j], 0.0)
+        least -= min(table[ERROR, j], 0.0)
         most, least = min(max(most, -cap), cap), min(max(least, -cap), cap)
         if least > most:  # both ends are too near: brake towards the middle between the bounds
             least = most = 0.5 * (least + most)
@@ -233,8 +251,7 @@ def remember(table: Array) -> None:
     """Keep the accelerations that are sent as the newest of those that may not yet act."""
     for k in range(table.shape[0] - 1, PENDING, -1):
         table[k] = table[k - 1]
-    if table.shape[0] > PENDING:
-        table[PENDING] = table[A]
+    table[PENDING] = table[A]
 
 
 @kernel

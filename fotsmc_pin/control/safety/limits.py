@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from fotsmc_pin.arms import Arm
     from fotsmc_pin.types import Array
 
+QUICKEST_START = 0.05
+"""Time from rest to full speed by the acceleration limit that is not given [s]."""
+
 
 @dataclass(frozen=True, eq=False)
 class Limits:
@@ -35,10 +38,10 @@ class Limits:
         velocity: largest speed of each joint (nv,) [rad/s, m/s]; None for the arm's.
         velocity_share: share of `velocity` at which a joint is held; room for what the model does
             not know.
-        acceleration: largest acceleration and deceleration of each joint (nv,) [rad/s², m/s²];
-            None for no limit beside that of the torque.
+        acceleration: largest acceleration and deceleration of each joint (nv,) [rad/s², m/s²], of
+            the nominal arm; None for what leads from rest to full speed in 0.05 s.
         braking: deceleration that every joint is trusted to have (nv,) [rad/s², m/s²]; None for
-            what `torque_share` of the torque limits gives all joints at once in 95 of 100 random
+            what `torque_share` of the torque limits gives all joints at once in 99 of 100 random
             states of the nominal arm, and no more than stops a joint from full speed in 0.1 s.
         torque_share: share of the torque limits that braking may count on.
         delay: longest delay between a measurement and the torque that follows from it [ticks]. A
@@ -53,7 +56,7 @@ class Limits:
     upper: ArrayLike | None = field(default=None, kw_only=True)
     margin: ArrayLike = field(default=0.02, kw_only=True)
     velocity: ArrayLike | None = field(default=None, kw_only=True)
-    velocity_share: float = field(default=0.98, kw_only=True)
+    velocity_share: float = field(default=0.95, kw_only=True)
     acceleration: ArrayLike | None = field(default=None, kw_only=True)
     braking: ArrayLike | None = field(default=None, kw_only=True)
     torque_share: float = field(default=0.8, kw_only=True)
@@ -74,7 +77,7 @@ class Limits:
         checks.finite_number("velocity_share", self.velocity_share, above=0.0, at_most=1.0)
         checks.count("delay", self.delay, at_least=0)
         velocity = self._positive("velocity", self.velocity, arm.velocity_limit)
-        acceleration = self._positive("acceleration", self.acceleration, np.full(n, np.inf))
+        acceleration = self._positive("acceleration", self.acceleration, velocity / QUICKEST_START)
         if self.braking is None:
             braking = available_braking(arm, velocity, share)
         else:
