@@ -91,8 +91,8 @@ def simulate(
             recorded, and the metadata take its name from its `label`, and from its `about` what
             else it says of itself.
         reference: `t -> (q_d, v_d, a_d)`, shapes (nq,), (nv,), (nv,); a function of time alone,
-            which is evaluated for some ticks ahead. Where it has a method `at` that takes many
-            times (N,) and returns (N, nq), (N, nv), (N, nv), that is called instead.
+            which is evaluated for some ticks ahead, unless it `is_live`. Where it has a method `at`
+            that takes many times (N,) and returns (N, nq), (N, nv), (N, nv), that is called.
         duration: simulated time [s].
         q0: configuration at the start (nq,); the reference's by default.
         v0: velocity at the start (nv,); the reference's by default.
@@ -190,9 +190,10 @@ def simulate(
 
     title = f"{_label(controller)}, {arm.name}"
     with reporting(progress, title) as report, kept_on_interrupt(recording):
-        for first in range(0, ticks, CHUNK):
+        ahead = 1 if getattr(reference, "is_live", False) else CHUNK
+        for first in range(0, ticks, ahead):
             report(first / ticks)
-            instants = clock[first : min(first + CHUNK, ticks)]
+            instants = clock[first : min(first + ahead, ticks)]
             wanted = reference_values(reference, instants, arm)
             recorder.write_reference(first, *wanted[:2])
             rows = zip(instants.tolist(), *wanted, strict=True)

@@ -47,7 +47,10 @@ def available_braking(arm: Arm, velocity: Array, torque_share: float) -> Array:
     at_rest = np.zeros(arm.nv)
     for k in range(STATES):
         q, v = arm.random_configuration(rng), rng.uniform(-1.0, 1.0, arm.nv) * fastest
-        inertia[k], load[k] = np.abs(arm.mass_matrix(q)), np.abs(arm.inverse_dynamics(q, v, at_rest))
+        inertia[k], load[k] = (
+            np.abs(arm.mass_matrix(q)),
+            np.abs(arm.inverse_dynamics(q, v, at_rest)),
+        )
     left = torque_share * arm.effort_limit - np.percentile(load, COMMON, axis=0)
     if (left <= 0.0).any():
         joint = int(np.argmin(left / arm.effort_limit))
@@ -61,4 +64,5 @@ def available_braking(arm: Arm, velocity: Array, torque_share: float) -> Array:
     shape = np.minimum(left / np.percentile(inertia.sum(axis=2), COMMON, axis=0), quickest)
     factors = (torque_share * arm.effort_limit - load) / (inertia @ shape)
     factor = float(np.percentile(factors.min(axis=1), 100.0 - COMMON))
-    return np.minimum(max(factor, 0.1) * shape, quickest)
+    braking: Array = np.minimum(max(factor, 0.1) * shape, quickest)
+    return braking

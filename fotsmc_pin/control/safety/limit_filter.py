@@ -57,7 +57,7 @@ class LimitFilter(SharesNothing):
         self._places = np.array(self.arm.model.idx_qs[1:], dtype=np.int64)
         speed = np.minimum(limits.velocity_share * np.asarray(limits.velocity), UNLIMITED)
         table[rows.SPEED], table[rows.BRAKING] = speed, limits.braking
-        table[rows.ACCELERATION] = np.minimum(limits.acceleration, UNLIMITED)
+        table[rows.ACCELERATION] = np.minimum(np.asarray(limits.acceleration), UNLIMITED)
         table[rows.LEAST_TORQUE], table[rows.MOST_TORQUE] = -effort, effort
         if torque_rate is not None:  # the time in which a torque turns from one limit to the other
             table[rows.LAG] = 2.0 * effort / torque_rate
@@ -66,7 +66,8 @@ class LimitFilter(SharesNothing):
 
     def reset(self) -> None:
         """Forget every tick."""
-        self.has_started, self.broken = False, None
+        self.has_started = False
+        self.broken: str | None = None
         self._lost = 0
         self._table[rows.X : rows.LEAST_TORQUE] = 0.0
         self._table[rows.LEAST :] = 0.0
@@ -125,7 +126,9 @@ class LimitFilter(SharesNothing):
                 return q, v
             a, dt = self._table[rows.A], self._dt
             speed = self._state[1, :n]
-            known_q = pin.integrate(self._model, self._state[0, :nq], dt * speed + 0.5 * dt * dt * a)
+            known_q = pin.integrate(
+                self._model, self._state[0, :nq], dt * speed + 0.5 * dt * dt * a
+            )
             known_v = speed + dt * a
         self._state[0, :nq], self._state[1, :n] = known_q, known_v
         return known_q, known_v

@@ -1,11 +1,11 @@
-"""The arithmetic of `LimitFilter`: bounds of each joint's acceleration, and the torque that keeps them.
+"""The arithmetic of `LimitFilter`: bounds of joints' accelerations, and the torque that keeps them.
 
 A joint that moves at `v` towards an end at the distance `d` can still brake at `β` if `v ≤ V(d)`,
 
     V(d) = sqrt(2 β (d - d₀/2))  for d > d₀ = β T_p²,    V(d) = d / T_p  for less,
 
-whose slope is continuous. `V` is kept as a barrier: the gap `V(d) - v` may close no faster than with
-the time constant `T`, which bounds the acceleration,
+whose slope is continuous. `V` is kept as a barrier: the gap `V(d) - v` may close no faster than
+with the time constant `T`, which bounds the acceleration,
 
     a ≤ (V(d) - v) / T - V'(d) v,      a ≤ (v_max - v) / T,
 
@@ -99,7 +99,7 @@ def filtered(
     solve(factor, a)
     for i in range(n):
         within = within and table[LEAST, i] <= a[i] <= table[MOST, i]
-    worst = 0.0
+    worst: float = 0.0
     if not within:
         inverse = work[n : 2 * n]
         invert(factor, inverse)
@@ -152,7 +152,7 @@ def room(gap: float, speed: float, horizon: float, j: int, table: Array) -> floa
     """Return the most acceleration towards an end at the distance `gap`, at `speed` towards it."""
     most = (table[SPEED, j] - speed) / horizon
     if gap == math.inf:
-        return most
+        return float(most)
     braking, slow, ahead = table[BRAKING, j], 4.0 * horizon, max(speed, 0.0)
     gap -= ahead * table[LAG, j]
     bend = braking * slow * slow
@@ -162,7 +162,7 @@ def room(gap: float, speed: float, horizon: float, j: int, table: Array) -> floa
     else:
         slope = 1.0 / slow
         allowed = gap * slope
-    return min(most, (allowed - speed) / horizon - slope * ahead)
+    return float(min(most, (allowed - speed) / horizon - slope * ahead))
 
 
 @kernel
@@ -175,7 +175,7 @@ def nearest_torque(
     to those that brake every joint, no further than needed.
     """
     n = tau.size
-    worst = sweep(tau, law, h, inverse, table)
+    worst: float = sweep(tau, law, h, inverse, table)
     if worst <= TOLERANCE:
         return 0.0
     for i in range(n):
@@ -191,7 +191,7 @@ def nearest_torque(
         if worst <= TOLERANCE:
             enough = share
         elif share == 1.0:
-            return worst
+            return float(worst)
         else:
             too_little = share
         share = 0.5 * (too_little + enough)
@@ -206,7 +206,7 @@ def nearest_torque(
 def slowing(j: int, table: Array) -> float:
     """Return the acceleration that slows a joint down, within its bounds."""
     wanted = min(max(-table[V, j] / REST, -table[BRAKING, j]), table[BRAKING, j])
-    return min(max(wanted, table[LEAST, j]), table[MOST, j])
+    return float(min(max(wanted, table[LEAST, j]), table[MOST, j]))
 
 
 @kernel
@@ -238,12 +238,12 @@ def sweep(tau: Array, aim: Array, h: Array, inverse: Array, table: Array) -> flo
                     a[j] += inverse[i, j] * step
         if not moves:
             break
-    worst = 0.0
+    worst: float = 0.0
     for i in range(n):
-        beyond = max(a[i] - table[MOST, i], table[LEAST, i] - a[i], 0.0)
+        beyond: float = max(a[i] - table[MOST, i], table[LEAST, i] - a[i], 0.0)
         table[EXCESS, i] = beyond / table[BRAKING, i]
         worst = max(worst, table[EXCESS, i])
-    return worst
+    return float(worst)
 
 
 @kernel
