@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from fotsmc_pin.types import Array
 
 STATES = 500
-COMMON = 99.0
+COMMON = 95.0
 """Percentage of the random states in which the deceleration is available."""
 QUICKEST = 0.1
 """No joint is trusted to stop from full speed in less than this [s]."""
@@ -26,8 +26,8 @@ def available_braking(arm: Arm, velocity: Array, torque_share: float) -> Array:
 
     In a state with the torque `h = C v + G` a joint has `share τ_max - |h|` left, of which
     `Σ_j |M_ij| β_j` is needed where all joints brake at their worst. `β` has the shape of what is
-    left over the row sums of `|M|`, each at its 99th percentile over random states, times the
-    largest factor that suffices in 99 of 100 of them.
+    left over the row sums of `|M|`, each at its 95th percentile over random states, times the
+    largest factor that suffices in 95 of 100 of them.
 
     Args:
         arm: the nominal arm.

@@ -59,11 +59,22 @@ yet act."""
 
 
 @kernel
-def read_state(q: Array, v: Array, places: Whole, table: Array) -> None:
-    """Write the positions and speeds of the joints into the table."""
-    for j in range(v.size):
-        table[X, j] = q[places[j]]
-        table[V, j] = v[j]
+def read_state(q: Array, v: Array, nq: int, state: Array, places: Whole, table: Array) -> bool:
+    """Take in a measurement, and return True, if it has the right size and is finite."""
+    n = table.shape[1]
+    if q.size != nq or v.size != n:
+        return False
+    for j in range(nq):
+        if not math.isfinite(q[j]):
+            return False
+    for j in range(n):
+        if not math.isfinite(v[j]):
+            return False
+    state[0, :nq] = q
+    for j in range(n):
+        state[1, j] = v[j]
+        table[X, j], table[V, j] = q[places[j]], v[j]
+    return True
 
 
 @kernel

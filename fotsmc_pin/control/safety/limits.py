@@ -41,7 +41,7 @@ class Limits:
         acceleration: largest acceleration and deceleration of each joint (nv,) [rad/s², m/s²], of
             the nominal arm; None for what leads from rest to full speed in 0.05 s.
         braking: deceleration that every joint is trusted to have (nv,) [rad/s², m/s²]; None for
-            what `torque_share` of the torque limits gives all joints at once in 99 of 100 random
+            what `torque_share` of the torque limits gives all joints at once in 95 of 100 random
             states of the nominal arm, and no more than stops a joint from full speed in 0.1 s.
         torque_share: share of the torque limits that braking may count on.
         delay: longest delay between a measurement and the torque that follows from it [ticks]. A
@@ -59,7 +59,7 @@ class Limits:
     velocity_share: float = field(default=0.95, kw_only=True)
     acceleration: ArrayLike | None = field(default=None, kw_only=True)
     braking: ArrayLike | None = field(default=None, kw_only=True)
-    torque_share: float = field(default=0.8, kw_only=True)
+    torque_share: float = field(default=0.9, kw_only=True)
     delay: int = field(default=5, kw_only=True)
 
     def __post_init__(self) -> None:
