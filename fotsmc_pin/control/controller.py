@@ -194,6 +194,19 @@ class Controller(SharesNothing, ABC, Generic[G]):
         tau: Array = self._tau.copy()
         return tau
 
+    def note_applied(self, tau: Array, friction: Array) -> None:
+        """Take note of the torque that acts from the last tick on, where it is another than asked.
+
+        Observers work with it. A part that was added against friction is left out: a law's model
+        has no friction, so it is the rest that moves the arm.
+
+        Args:
+            tau: the total torque (nv,) [N·m, N].
+            friction: the part of it that was added against friction (nv,).
+        """
+        self._tau[:] = tau
+        self._tau -= friction
+
     def reset(self) -> None:
         """Forget everything: the controller is as it was when it was made."""
         for stream in self.memories.values():

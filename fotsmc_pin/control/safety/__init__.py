@@ -1,6 +1,7 @@
 """What stands between any controller and real drives."""
 
+from fotsmc_pin.control.safety.drives import Drives
 from fotsmc_pin.control.safety.safeguard import Safeguard
 from fotsmc_pin.control.safety.soft_start import SoftStart
 
-__all__ = ["Safeguard", "SoftStart"]
+__all__ = ["Drives", "Safeguard", "SoftStart"]

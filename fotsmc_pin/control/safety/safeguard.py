@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fotsmc_pin import checks
+from fotsmc_pin.control.safety.drives import Drives
+from fotsmc_pin.control.safety.safe_stop import SafeStop
 from fotsmc_pin.control.safety.soft_start import SoftStart
 from fotsmc_pin.control.saved_state import part, present, with_prefix
 from fotsmc_pin.copying import SharesNothing
@@ -22,25 +24,30 @@ if TYPE_CHECKING:
     from fotsmc_pin.control.safety.guarded import Guarded
     from fotsmc_pin.types import Array
 
-SETTLING = 10.0
-"""Damping of the safe stop over the joint's inertia: speed dies in a tenth of a second [1/s]."""
+TORQUES = ("tau", "recent", "v")
+"""Vectors of a safeguard's memory."""
+RECENT = 100.0
+"""Rate at which the torque is averaged that a stop without the law begins with [1/s]."""
 
 
 class Safeguard(SharesNothing):
     """Wraps a controller: soft start, torque-rate limit, watchdog and safe stop.
 
     It has the face of a controller (`dt`, `update`, `reset`, `signals`) and works with all of them.
-    A stop is latched: torque goes over from the last one to gravity compensation and damping,
-
-        τ = (1 - ρ) τ_last + ρ (G0(q) - 10/s diag(M0(q)) v),   ρ = 0 … 1 over `stop_ramp`,
-
-    so that the arm comes to rest and floats. It begins when `stop` is called, when a measurement is
+    A stop is latched; only `reset` ends it. It begins when `stop` is called, when a measurement is
     not usable, when a tick comes later than `watchdog`, or when a joint is faster than
-    `speed_margin` times its limit. Only `reset` ends it.
+    `speed_margin` times its limit. The arm brakes on a `BrakingPath` and is held where it comes to
+    rest. The law itself follows that path, as it knows the arm best, unless it is the law that is
+    in doubt: where a joint was too fast or a measurement is unusable, and where the path is not
+    kept. Then a `Brake` does, which needs nothing but the nominal model.
+
+    Torques are the total ones of `M a + C v + G = τ`. What the drives of a robot add themselves is
+    told by `compensates`, and `sent` is what remains to be commanded; the limits hold for both.
 
     Attributes:
         controller: what is wrapped.
         stopped: why the safe stop is on, in plain words; None while all is well.
+        sent: the last tick's torque without what the drives add (nv,): what to command a robot.
     """
 
     def __init__(
@@ -52,7 +59,7 @@ class Safeguard(SharesNothing):
         friction_compensation: FrictionCompensation | None = None,
         watchdog: float | None = None,
         speed_margin: float = 1.2,
-        stop_ramp: float = 0.3,
+        stop_ramp: float = 0.1,
     ) -> None:
         """Wrap a controller.
 
@@ -61,10 +68,10 @@ class Safeguard(SharesNothing):
             soft_start: time over which the start error is faded out of the reference [s].
             torque_rate: largest rate of each torque [N·m/s, N/s], the safe stop included; None for
                 no limit.
-            friction_compensation: is added to the torque.
+            friction_compensation: is added to the torque, unless the drives do that themselves.
             watchdog: longest time between two ticks before a safe stop [s]; ten ticks if None.
             speed_margin: share of the arm's speed limits at which a safe stop begins.
-            stop_ramp: time in which a safe stop takes over [s].
+            stop_ramp: least time in which a safe stop brakes [s]; longer where torque limits ask it.
 
         Raises:
             ArgumentError: a number out of its bounds.
@@ -81,8 +88,22 @@ class Safeguard(SharesNothing):
         self.watchdog = checks.finite_number("watchdog", default, above=0.0)
         margin = checks.finite_number("speed_margin", speed_margin, above=0.0)
         self._fastest = margin * self.arm.velocity_limit
-        self.stop_ramp = checks.finite_number("stop_ramp", stop_ramp, at_least=0.0)
+        self.stop_ramp = checks.finite_number("stop_ramp", stop_ramp, above=0.0)
+        self._stop = SafeStop(self.arm, self.dt, self.stop_ramp, self._fastest)
+        self._drives = Drives(self.arm)
         self.reset()
+
+    @property
+    def compensates(self) -> tuple[str, ...]:
+        """What the drives add themselves: any of "gravity", "coriolis", "friction".
+
+        `run_realtime` sets it to what the robot declares.
+        """
+        return self._drives.compensates
+
+    @compensates.setter
+    def compensates(self, words: tuple[str, ...]) -> None:
+        self._drives = Drives(self.arm, words)
 
     @property
     def signals(self) -> dict[str, Array]:
@@ -104,24 +125,25 @@ class Safeguard(SharesNothing):
         """End a stop and begin anew, softly, from wherever the arm is."""
         self.controller.reset()
         self._lead.reset()
+        self._stop.reset()
         self.stopped: str | None = None
-        self._ramp = 0.0
         self._tau = np.zeros(self.arm.nv)
-        self._before_stop = self._tau
+        self._recent = self.sent = self._nothing = self._v = self._tau
         self._q: Array | None = None
+        self._target: tuple[Array, Array, Array] | None = None
 
     def save_state(self) -> dict[str, Array]:
         """Return everything that is remembered, the controller's memory included, as arrays."""
-        own: dict[str, Any] = {
-            "tau": self._tau,
-            "before_stop": self._before_stop,
-            "ramp": self._ramp,
+        own: dict[str, Any] = {name: getattr(self, f"_{name}") for name in TORQUES} | {
+            "sent": self.sent,
             "stopped": self.stopped or "",
             "q": [] if self._q is None else self._q,
+            "target": [] if self._target is None else np.concatenate(self._target),
         }
         return (
             {name: np.array(value) for name, value in own.items()}
             | with_prefix("soft_start", self._lead.save_state())
+            | with_prefix("safe_stop", self._stop.save_state())
             | with_prefix("controller", self.controller.save_state())
         )
 
@@ -132,22 +154,34 @@ class Safeguard(SharesNothing):
             ArgumentError: an array is missing or of the wrong shape. The memory stays as it was.
         """
         n, nq = self.arm.nv, self.arm.nq
-        tau = checks.finite_vector("tau", present(arrays, "tau"), n)
-        before_stop = checks.finite_vector("before_stop", present(arrays, "before_stop"), n)
-        ramp = checks.finite_number("ramp", present(arrays, "ramp"))
+        tau, recent, v, sent = (
+            checks.finite_vector(name, present(arrays, name), n) for name in (*TORQUES, "sent")
+        )
         stopped = str(present(arrays, "stopped")) or None
         q = present(arrays, "q")
         place = checks.finite_vector("q", q, nq) if np.size(q) else None
-        lead = copy.copy(self._lead)
+        given, target = present(arrays, "target"), None
+        if np.size(given):
+            whole = checks.finite_vector("target", given, nq + 2 * n)
+            target = (whole[:nq], whole[nq : nq + n], whole[nq + n :])
+        lead, stop = copy.copy(self._lead), copy.copy(self._stop)
         lead.restore_state(part(arrays, "soft_start"))
+        stop.restore_state(part(arrays, "safe_stop"))
         self.controller.restore_state(part(arrays, "controller"))
-        self._lead, self._tau, self._before_stop = lead, tau, before_stop
-        self._ramp, self.stopped, self._q = ramp, stopped, place
+        self._lead, self._stop, self._tau, self._recent = lead, stop, tau, recent
+        self._v, self.sent, self.stopped = v, sent, stopped
+        self._q, self._target = place, target
 
-    def stop(self, reason: str = "asked for") -> None:
-        """Begin a safe stop; the next `update` is its first tick."""
+    def stop(self, reason: str = "asked for", *, trust_law: bool = True) -> None:
+        """Begin a safe stop; the next `update` is its first tick.
+
+        Args:
+            reason: in plain words; the first one is kept.
+            trust_law: let the law brake, as long as it keeps the path.
+        """
         if self.stopped is None:
-            self.stopped, self._ramp, self._before_stop = reason, 0.0, self._tau.copy()
+            self.stopped = reason
+        self._stop.by_law = self._stop.by_law and trust_law
 
     def update(
         self,
@@ -160,57 +194,84 @@ class Safeguard(SharesNothing):
     ) -> Array:
         """Advance by one tick; arguments and result are those of `Controller.update`.
 
-        An unusable measurement begins a safe stop and is not raised. Until a usable one comes
-        again, the last usable position stands in, at rest.
+        An unusable measurement begins a safe stop and is not raised. While there is none that is
+        usable, the braking path stands in for it.
         """
         period = self.dt if dt is None else dt
         if not 0.0 < period <= self.watchdog:
             self.stop(f"a tick of {period:g} s, the watchdog allows {self.watchdog:g} s")
             period, dt = self.dt, None
-        tau = self._guarded(q, v, q_d, v_d, a_d, period, dt)
-        if self.stopped is not None:
-            tau = self._safe_stop(q, v, period)
+        state = self._measured(q, v)
+        target = self._wanted(state, q_d, v_d, a_d, period)
+        tau, friction = None, self._nothing
+        if state is not None and target is not None and self._law_acts:
+            try:
+                tau = self.controller.update(*state, *target, dt=dt)
+            except (MeasurementError, ValueError) as error:
+                self.stop(f"measurement: {error}", trust_law=False)
+                target = self._wanted(state, q_d, v_d, a_d, period)
+        if target is None:  # Nothing was ever measured.
+            self._tau = self.sent = np.zeros(self.arm.nv)
+            return self._tau.copy()
+        by_law = tau is not None
+        if tau is None:
+            tau = self._stop.torque(state, target, period)
+        elif self._friction is not None and not self._drives.hides_friction:
+            friction = self._friction.torque(target[1])
+            tau = tau + friction
+        if state is not None:
+            self._q, self._v = state
+        self._target = target
+        self._send(tau, period)
+        if by_law:
+            self.controller.note_applied(self._tau, friction)
+        return self._tau.copy()
+
+    @property
+    def _law_acts(self) -> bool:
+        return self.stopped is None or self._stop.by_law
+
+    def _measured(self, q: ArrayLike, v: ArrayLike) -> tuple[Array, Array] | None:
+        """Return position and speed as they are to be used; None where they cannot be."""
+        try:
+            place = np.array(checks.finite_vector("q", q, self.arm.nq))
+            speed = np.array(checks.finite_vector("v", v, self.arm.nv))
+        except ValueError as error:
+            self.stop(f"measurement: {error}", trust_law=False)
+            return None
+        if (np.abs(speed) > self._fastest).any():
+            joint = self.arm.joint_names[int(np.argmax(np.abs(speed) - self._fastest))]
+            is_first = self.stopped is None and self._q is not None
+            self.stop(f"{joint} is faster than its limit allows", trust_law=False)
+            # One wild reading is no speed to brake from.
+            speed = self._v if is_first else np.clip(speed, -self._fastest, self._fastest)
+        return place, speed
+
+    def _wanted(
+        self, state: tuple[Array, Array] | None, q_d: Any, v_d: Any, a_d: Any, period: float
+    ) -> tuple[Array, Array, Array] | None:
+        """Return what is to be followed: the reference, softly led into, or the braking path."""
+        if self.stopped is None and state is not None:
+            try:
+                return self._lead.lead(*state, q_d, v_d, a_d, period)
+            except (TypeError, ValueError) as error:
+                self.stop(f"reference: {error}", trust_law=False)
+        if not self._stop.is_under_way:
+            last = state if self._q is None else (self._q, self._v)
+            if last is None:
+                return None
+            self._stop.begin(last, self._target, self._recent)
+        return self._stop.advance(state, self._recent, period)
+
+    def _send(self, tau: Array, period: float) -> None:
+        """Bring a torque within all limits, and note it and what of it is to be commanded."""
+        limit, added = self.arm.effort_limit, self._drives.added(self._q, self._v)
         if self._rate is not None:
             step = self._rate * period
             tau = np.clip(tau, self._tau - step, self._tau + step)
-        self._tau = np.clip(tau, -self.arm.effort_limit, self.arm.effort_limit)
-        return self._tau.copy()
-
-    def _guarded(
-        self, q: Any, v: Any, q_d: Any, v_d: Any, a_d: Any, period: float, dt: float | None
-    ) -> Array:
-        """Return the controller's torque, or begin a stop."""
-        if self.stopped is not None:
-            return self._tau
-        try:
-            speed = checks.finite_vector("v", v, self.arm.nv)
-            if (np.abs(speed) > self._fastest).any():
-                joint = self.arm.joint_names[int(np.argmax(np.abs(speed) - self._fastest))]
-                self.stop(f"{joint} is faster than its limit allows")
-                return self._tau
-            target = self._lead.lead(q, speed, q_d, v_d, a_d, period)
-            tau = self.controller.update(q, speed, *target, dt=dt)
-        except (MeasurementError, ValueError) as error:
-            self.stop(f"measurement: {error}")
-            return self._tau
-        if self._friction is not None:
-            tau = tau + self._friction.torque(target[1])
-        self._q = np.array(q, dtype=np.float64)
-        return tau
-
-    def _safe_stop(self, q: ArrayLike, v: ArrayLike, period: float) -> Array:
-        """Return one tick of the way to gravity compensation and damping."""
-        try:
-            place = checks.finite_vector("q", q, self.arm.nq)
-            speed = checks.finite_vector("v", v, self.arm.nv)
-            speed = np.clip(speed, -self._fastest, self._fastest)
-            self._q = place
-        except ValueError:
-            speed = np.zeros(self.arm.nv)
-        if self._q is None:
-            return np.zeros(self.arm.nv)
-        damping = SETTLING * np.diag(self.arm.mass_matrix(self._q))
-        rest = self.arm.gravity(self._q) - damping * speed
-        self._ramp = min(1.0, self._ramp + (period / self.stop_ramp if self.stop_ramp else 1.0))
-        torque: Array = (1.0 - self._ramp) * self._before_stop + self._ramp * rest
-        return torque
+            tau = np.clip(tau, self.sent + added - step, self.sent + added + step)
+        if self._drives.adds:
+            tau = np.clip(tau, added - limit, added + limit)
+        self._tau = np.clip(tau, -limit, limit)
+        self.sent = self._tau - added if self._drives.adds else self._tau
+        self._recent = self._recent + min(RECENT * period, 1.0) * (self._tau - self._recent)
