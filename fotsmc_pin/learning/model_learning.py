@@ -142,7 +142,7 @@ class ModelLearning(Described):
     def reset(self) -> None:
         """Forget what was learnt, and begin anew."""
         self.controller.reset()
-        self._ticks = 0
+        self._ticks, self._friction = 0, np.zeros(self.arm.nv)
         for name in MEMORY:
             getattr(self, name)[:] = 0.0
         self._beliefs[:] = self._first
@@ -173,7 +173,8 @@ class ModelLearning(Described):
         tau = law.update(q, v, q_d, v_d, a_d, dt)
         if not law.uses_model and self._feeds:
             limit = law.joints.effort_limit
-            tau = np.clip(tau + terms.friction(law.joints), -limit, limit)
+            self._friction = terms.friction(law.joints)
+            tau = np.clip(tau + self._friction, -limit, limit)
         ticks = self._ticks
         phase = ticks % WINDOW
         if phase == 0:
@@ -189,6 +190,11 @@ class ModelLearning(Described):
         terms.write_rotors()
         self._ticks = ticks + 1
         return tau
+
+    def note_applied(self, tau: Array, friction: Array) -> None:
+        """Learn from `tau` as what acts, friction included, in place of what `update` returned."""
+        self._sent[self.delay] = tau
+        self.controller.note_applied(tau, friction + self._friction)
 
     def estimates(self) -> Estimates:
         """Return what is known of the arm by now, as a table with standard deviations."""

@@ -17,6 +17,8 @@ DT = 5e-3
 class FrozenRobot:
     """A robot whose brakes are on; notes what it is told, and may fail or be slow."""
 
+    compensates, paced = (), False
+
     def __init__(self, arm, *, fails_at=None, slow_at=None):
         self.arm, self.torques = arm, []
         self.fails_at, self.slow_at, self.reads = fails_at, slow_at, 0

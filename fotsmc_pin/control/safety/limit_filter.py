@@ -16,10 +16,11 @@ from fotsmc_pin.copying import SharesNothing
 from fotsmc_pin.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     from numpy.typing import ArrayLike
 
+    from fotsmc_pin.control.model_terms import ModelTerms
     from fotsmc_pin.control.safety.limits import Limits
     from fotsmc_pin.types import Array
 
@@ -30,14 +31,14 @@ UNLIMITED = 1e9
 LOST = 1.0
 """A bound counts as lost where it is exceeded by this share of a joint's deceleration, for longer
 than the delay of the loop."""
-LINKED = {"_model", "_data", "_M", "_h", "_q", "_v", "_filtered"}
+LINKED = {"_model", "_data", "_M", "_h", "_q", "_v", "_sent", "_law", "_filtered"}
 """Attributes that only refer to other memory; no copy takes them along."""
 
 
 class LimitFilter(SharesNothing):
     """Keeps an arm within its limits, one torque after the other.
 
-    A tick is `state`, then `torque`. Where a measurement is not usable, the state stands in to
+    A tick is `take`, then `torque`. Where a measurement is not usable, the state stands in to
     which the accelerations that were sent should have led.
 
     Attributes:
@@ -51,7 +52,6 @@ class LimitFilter(SharesNothing):
         self.limits, self.arm, self._dt = limits, limits.arm, dt
         n, self._nq = self.arm.nv, self.arm.nq
         effort = self.arm.effort_limit
-        self._step = None if torque_rate is None else torque_rate * dt
         self._table = table = np.zeros((rows.PENDING + limits.delay + 1, n))
         self._work = np.zeros((2 * n + 1, n))
         self._torque = np.zeros((2, n))
@@ -82,7 +82,7 @@ class LimitFilter(SharesNothing):
         """What the limits added to the last torque, (nv,) [N·m, N]."""
         return {"limit_torque": self._torque[0] - self._torque[1]}
 
-    def demand_start(self, q: ArrayLike, v: ArrayLike) -> None:
+    def _demand_start(self, q: ArrayLike, v: ArrayLike) -> None:
         """Refuse a first state beyond the limits; one that is not usable is left to others.
 
         A joint that starts within the margin of an end is held where it is.
@@ -117,10 +117,16 @@ class LimitFilter(SharesNothing):
         self._table[rows.LAST_V] = v
         self.has_started = True
 
-    def state(self, q: Any, v: Any) -> tuple[Array, Array]:
-        """Return the state of this tick: what was measured, or what stands in for it."""
+    def take(self, q: Any, v: Any) -> None:
+        """Take in the measurement of this tick, or what stands in for one that is not usable.
+
+        Raises:
+            ArgumentError: the first state is beyond the limits; it names the joint.
+        """
         if not self.has_started:
-            return q, v
+            self._demand_start(q, v)
+            if not self.has_started:
+                return
         try:
             is_read = self._read(q, v)
         except (AttributeError, TypeError):  # not plain arrays of floats
@@ -134,28 +140,42 @@ class LimitFilter(SharesNothing):
                 known_q = pin.integrate(self._model, self._q, dt * speed + 0.5 * dt * dt * a)
                 known_v = speed + dt * a
             self._read(known_q, known_v)
-        return self._q, self._v
 
     def _read(self, q: Array, v: Array) -> bool:
         return read_state(q, v, self._nq, self._state, self._places, self._table)
 
-    def torque(self, tau: Array, last: Array) -> Array:
-        """Return the torque (nv,) nearest to `tau` that keeps the limits; `last` is that before.
+    def torque(
+        self,
+        tau: Array,
+        allowed: Callable[[Array], Array] | None = None,
+        terms: ModelTerms | None = None,
+    ) -> Array:
+        """Return the torque (nv,) nearest to `tau` that keeps the limits.
 
         Bit for bit `tau` where no limit is near.
+
+        Args:
+            tau: what is to be sent, within the limits of torque (nv,) [N·m, N].
+            allowed: clips a torque to what may be sent at this tick; None where that is the
+                arm's effort limits.
+            terms: mass matrix, and `C v + G`, of this state where they are known already.
         """
         if not self.has_started:
             return tau
-        table, sent, law = self._table, *self._torque
+        table, sent, law = self._table, self._sent, self._law
         law[:] = tau
-        if self._step is not None:
-            effort = self.arm.effort_limit
-            table[rows.LEAST_TORQUE] = np.maximum(-effort, last - self._step)
-            table[rows.MOST_TORQUE] = np.minimum(effort, last + self._step)
-        pin.crba(self._model, self._data, self._q, LOCAL)
-        pin.nonLinearEffects(self._model, self._data, self._q, self._v)
-        worst = self._filtered(self._dt, sent, law, self._M, self._h, self._work, table)
-        self._watch(worst)
+        if allowed is not None:
+            beyond = np.full(law.size, np.inf)
+            table[rows.LEAST_TORQUE], table[rows.MOST_TORQUE] = allowed(-beyond), allowed(beyond)
+        if terms is None:
+            pin.crba(self._model, self._data, self._q, LOCAL)
+            pin.nonLinearEffects(self._model, self._data, self._q, self._v)
+            M, h = self._M, self._h
+        else:
+            M, h = terms.M, terms.h
+        worst = self._filtered(self._dt, sent, law, M, h, self._work, table)
+        if worst > 0.0 or self._lost:
+            self._watch(worst)
         return sent.copy()
 
     def _watch(self, worst: float) -> None:
@@ -206,6 +226,7 @@ class LimitFilter(SharesNothing):
         self._model, self._data = self.arm.model, self.arm.model.createData()
         self._M, self._h = self._data.M.T, self._data.nle
         self._q, self._v = self._state[0, : self.arm.nq], self._state[1, : self.arm.nv]
+        self._sent, self._law = self._torque
         sent, law = self._torque
         nq, own = self.arm.nq, (self._state, self._places, self._table)
         restricted(read_state, np.zeros(1), np.zeros(1), nq, *own)

@@ -27,7 +27,10 @@ class Limits:
     """Limits of an arm's motion that hold whatever a law says: `Safeguard(law, limits=...)`.
 
     A joint is never let so near to an end, at such a speed, that it could no longer brake before
-    it. Speeds stay within their limits; the torque stays within the arm's.
+    it. Speeds stay within their limits, the torque within the arm's. Where nothing is near its
+    limit, the torque is that of the law, bit for bit; the signal "limit_torque" (nv,) is what was
+    added to it. Where a limit cannot be kept, a safe stop begins. The first tick after a reset
+    raises an `ArgumentError` for a state beyond the limits.
 
     Attributes:
         arm: the nominal arm.
