@@ -11,6 +11,7 @@ from fotsmc_pin import checks
 from fotsmc_pin.compiled import restricted, specialized
 from fotsmc_pin.control.safety import limit_kernels as rows
 from fotsmc_pin.control.safety.limit_kernels import filtered, read_state
+from fotsmc_pin.control.safety.separation import Separation
 from fotsmc_pin.control.saved_state import present
 from fotsmc_pin.copying import SharesNothing
 from fotsmc_pin.errors import ArgumentError
@@ -63,6 +64,8 @@ class LimitFilter(SharesNothing):
         table[rows.LEAST_TORQUE], table[rows.MOST_TORQUE] = -effort, effort
         if torque_rate is not None:  # the time in which a torque turns from one limit to the other
             table[rows.LAG] = 2.0 * effort / torque_rate
+        has_distances = limits.clearance is not None or limits.box is not None
+        self._separation = Separation(limits, dt) if has_distances else None
         self._link()
         self.reset()
 
@@ -71,6 +74,8 @@ class LimitFilter(SharesNothing):
         self.has_started = False
         self.broken: str | None = None
         self._lost = 0
+        if self._separation is not None:
+            self._separation.reset()
         self._table[rows.X : rows.LEAST_TORQUE] = 0.0
         self._table[rows.LEAST :] = 0.0
         self._torque[:] = 0.0
@@ -112,6 +117,8 @@ class LimitFilter(SharesNothing):
             j = int(np.argmax(np.abs(v) - velocity))
             remedy = f"{arm.joint_names[j]} starts faster than its limit of {velocity[j]:.4g}"
             raise ArgumentError("v", v, remedy)
+        if self._separation is not None:
+            self._separation.demand_start(q)
         self._table[rows.LOWER] = np.minimum(self._table[rows.LOWER], x)
         self._table[rows.UPPER] = np.maximum(self._table[rows.UPPER], x)
         self._table[rows.LAST_V] = v
@@ -174,6 +181,14 @@ class LimitFilter(SharesNothing):
         else:
             M, h = terms.M, terms.h
         worst = self._filtered(self._dt, sent, law, M, h, self._work, table)
+        if self._separation is not None:
+            found = self._separation.accelerations(self._q, self._v, M, h, law, table)
+            if found is not None:
+                a, short = found
+                wanted = M @ a + h
+                sent[:] = np.clip(wanted, table[rows.LEAST_TORQUE], table[rows.MOST_TORQUE])
+                table[rows.A] = table[rows.PENDING] = a
+                worst = max(worst, short)
         if worst > 0.0 or self._lost:
             self._watch(worst)
         return sent.copy()

@@ -49,9 +49,13 @@ class Limits:
         torque_share: share of the torque limits that braking may count on.
         delay: longest delay between a measurement and the torque that follows from it [ticks]. A
             shorter one is safe too.
+        box: lowest and highest position of the tool in the world, (2, 3) [m]; None for no limit.
+        clearance: least distance of the convex hulls of two links that do not touch by design [m];
+            None for no look at collisions. It needs the solver daqp, as `box` does.
 
     Raises:
         ArgumentError: naming the argument, its value and the remedy.
+        MissingDependencyError: by the `Safeguard`, where the solver is not installed.
     """
 
     arm: Arm
@@ -64,6 +68,8 @@ class Limits:
     braking: ArrayLike | None = field(default=None, kw_only=True)
     torque_share: float = field(default=0.9, kw_only=True)
     delay: int = field(default=5, kw_only=True)
+    box: ArrayLike | None = field(default=None, kw_only=True)
+    clearance: float | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         """Check the numbers, and fill in those of the arm."""
@@ -79,6 +85,12 @@ class Limits:
         share = checks.finite_number("torque_share", self.torque_share, above=0.0, at_most=1.0)
         checks.finite_number("velocity_share", self.velocity_share, above=0.0, at_most=1.0)
         checks.count("delay", self.delay, at_least=0)
+        if self.clearance is not None:
+            checks.finite_number("clearance", self.clearance, at_least=0.0)
+        if self.box is not None:
+            box = checks.finite_array("box", self.box, (2, 3))
+            if not (box[0] < box[1]).all():
+                raise ArgumentError("box", self.box, "give the lowest position, then the highest")
         velocity = self._positive("velocity", self.velocity, arm.velocity_limit)
         acceleration = self._positive("acceleration", self.acceleration, velocity / QUICKEST_START)
         if self.braking is None:
