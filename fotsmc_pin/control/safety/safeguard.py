@@ -217,8 +217,8 @@ class Safeguard(SharesNothing):
         tau, friction = None, self._nothing
         if state is not None and target is not None and self._law_acts:
             try:
-                tau = self.controller.update(*state, *target, dt=dt)
-                tau = checks.finite_vector("torque", tau, self.arm.nv)
+                given = self.controller.update(*state, *target, dt=dt)
+                tau = checks.finite_vector("torque", given, self.arm.nv)
             except (MeasurementError, ValueError) as error:
                 self.stop(f"measurement: {error}", trust_law=False)
                 target = self._wanted(state, q_d, v_d, a_d, period)
