@@ -40,9 +40,11 @@ def run_realtime(
     Each tick is due at a multiple of `controller.dt` since the start, so that delays do not
     add up; a tick that comes so late that others were due too replaces them. Where the robot paces
     the loop, a tick begins when its `read` returns. The controller is told the measured period, and
-    what the robot's drives add, so that what is written is the rest. Ctrl-C, and SIGTERM, begin the safe stop of the controller, which is
-    given `stop_time` before the loop ends; so does the end of the run, and so does any exception
-    during it, which is raised after the stop. The last torque is that of the safe stop.
+    what the robot's drives add, so that what is written is the rest.
+
+    Ctrl-C, and SIGTERM, begin the safe stop of the controller, which is given `stop_time` before
+    the loop ends; so does the end of the run, and so does any exception during it, which is raised
+    after the stop. The last torque is that of the safe stop.
 
     Args:
         controller: a controller in its `Safeguard`.
