@@ -71,7 +71,7 @@ class Safeguard(SharesNothing):
             friction_compensation: is added to the torque, unless the drives do that themselves.
             watchdog: longest time between two ticks before a safe stop [s]; ten ticks if None.
             speed_margin: share of the arm's speed limits at which a safe stop begins.
-            stop_ramp: least time in which a safe stop brakes [s]; longer where torque limits ask it.
+            stop_ramp: least time in which a safe stop brakes [s].
 
         Raises:
             ArgumentError: a number out of its bounds.
@@ -109,6 +109,12 @@ class Safeguard(SharesNothing):
     def signals(self) -> dict[str, Array]:
         """The controller's signals."""
         return self.controller.signals
+
+    @property
+    def live_signals(self) -> dict[str, Array]:
+        """The signals themselves, where the controller lets a recorder read them."""
+        live: dict[str, Array] = getattr(self.controller, "live_signals", {})
+        return live
 
     @property
     def gains(self) -> Any:
