@@ -83,7 +83,8 @@ class RunRecorder:
         about = {"arm": arm.to_dict(), "metadata": self._metadata, "columns": self._columns}
         width = sum(self._columns.values())
         self._journal = Journal(self._path, about, size, width)
-        self._width, self._reason = width, None
+        self._width = width
+        self._reason: str | None = None
 
     def write_row(
         self, t: float, period: float, q: Any, v: Any, target: tuple[Array, ...], tau: Array

@@ -1,4 +1,4 @@
-"""The recording of a run on a robot: what it holds, what a crash leaves of it, what a report tells."""
+"""The recording of a run on a robot: what it holds, and what a crash leaves of it."""
 
 import subprocess
 import sys

@@ -31,8 +31,9 @@ class BrakingPath:
 
     The deceleration of a joint rises, stays and falls, a trapezium over its time `T`, of height
     `v0 / (0.8 T)`. Each joint has the shortest time with which the torques asked for are at most
-    0.9 of the effort limits, or all joints have one, whichever moves them less. The acceleration at the start, which is the motion's, is faded out
-    over 20 ms, so that speed and acceleration have no step.
+    0.9 of the effort limits, or all joints have one, whichever moves them less. The acceleration at
+    the start, which is the motion's, is faded out over 20 ms, so that speed and acceleration have
+    no step.
 
     Args:
         arm: the nominal arm.

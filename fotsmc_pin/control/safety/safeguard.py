@@ -227,6 +227,8 @@ class Safeguard(SharesNothing):
             tau = tau + friction
         if state is not None:
             self._q, self._v = state
+        if self._target is None:  # What acts before the first torque is what the drives add.
+            self._tau = self._drives.added(self._q, self._v)
         self._target = target
         self._send(tau, period)
         if by_law:
