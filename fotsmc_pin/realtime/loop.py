@@ -16,9 +16,11 @@ import numpy as np
 from fotsmc_pin import checks
 from fotsmc_pin.realtime.clock import Clock
 from fotsmc_pin.realtime.robot import declared
+from fotsmc_pin.realtime.run import Run, RunRecorder
 from fotsmc_pin.realtime.timing import Timing, percentiles
 
 if TYPE_CHECKING:
+    import os
     from collections.abc import Callable, Iterator
 
     from fotsmc_pin.control import Safeguard
@@ -33,16 +35,19 @@ def run_realtime(
     duration: float,
     *,
     stop_time: float = 1.0,
+    record: str | os.PathLike[str] | None = None,
     observe: Callable[[float, Array, Array, Array], None] | None = None,
-) -> Timing:
+) -> Run:
     """Run a controller at its rate against a robot, in wall-clock time.
 
     Each tick is due at a multiple of `controller.dt` since the start, so that delays do not
     add up; a tick that comes so late that others were due too replaces them. Where the robot paces
     the loop, a tick begins when its `read` returns. The controller is told the measured period, and
-    what the robot's drives add, so that what is written is the rest. Ctrl-C, and SIGTERM, begin the safe stop of the controller, which is
-    given `stop_time` before the loop ends; so does the end of the run, and so does any exception
-    during it, which is raised after the stop. The last torque is that of the safe stop.
+    what the robot's drives add, so that what is written is the rest.
+
+    Ctrl-C, and SIGTERM, begin the safe stop of the controller, which is given `stop_time` before
+    the loop ends; so does the end of the run, and so does any exception during it, which is raised
+    after the stop. The last torque is that of the safe stop.
 
     Args:
         controller: a controller in its `Safeguard`.
@@ -50,7 +55,12 @@ def run_realtime(
         reference: `t -> (q_d, v_d, a_d)`.
         duration: how long to follow the reference [s].
         stop_time: how long the safe stop is run at the end [s].
+        record: a file `.npz` for the recording, which is written as the run goes on:
+            `Recording.load` reads it also where the program died.
         observe: called with `t, q, v, tau` after each torque was written; it must be quick.
+
+    Returns:
+        The recording of the run, and its timing.
 
     Raises:
         ArgumentError: a duration that is not above 0, or a robot that does not declare what its
@@ -64,6 +74,7 @@ def run_realtime(
     clock = Clock(dt, paced=paced)
     size = clock.most_ticks(duration + stop_time)
     latency, compute = np.zeros(size), np.zeros(size)
+    recorder = RunRecorder(controller, robot, reference, duration, size=size, path=record)
     ticks = 0
     began_to_stop: float | None = None
     failure: BaseException | None = None
@@ -87,6 +98,7 @@ def run_realtime(
                 compute[ticks] = time.perf_counter() - before
                 robot.write(controller.sent)
                 latency[ticks] = clock.latency()
+                recorder.write_row(t, clock.period, q, v, target, tau)
                 if observe is not None:
                     observe(t, q, v, tau)
             except Exception as error:
@@ -96,9 +108,7 @@ def run_realtime(
                 controller.stop(f"{type(error).__name__}: {error}")
             ticks += 1
             clock.end_tick()
-    if failure is not None:
-        raise failure
-    return Timing(
+    timing = Timing(
         ticks=ticks,
         missed=clock.missed,
         latency=percentiles(latency[:ticks]),
@@ -106,6 +116,10 @@ def run_realtime(
         period=clock.now / max(ticks - 1, 1),
         stopped=controller.stopped,
     )
+    recording = recorder.recording(timing)
+    if failure is not None:
+        raise failure
+    return Run(recording=recording, timing=timing)
 
 
 @contextmanager

@@ -185,7 +185,7 @@ def simulate(
         if plant.is_elastic:
             options["encoder"] = encoder
         took = time.perf_counter() - started
-        told = _metadata(controller, reference, options, took)
+        told = run_metadata(controller, reference, options, took)
         return recorder.recording(told, events=changes, wrenches=wrenches)
 
     title = f"{_label(controller)}, {arm.name}"
@@ -268,9 +268,10 @@ def _label(controller: Law) -> str:
     return str(getattr(controller, "label", type(controller).__name__))
 
 
-def _metadata(
+def run_metadata(
     controller: Law, reference: Reference, options: dict[str, Any], took: float
 ) -> dict[str, Any]:
+    """Return how a run is made, in plain data: law, gains, period, versions."""
     gains: Any = getattr(controller, "gains", None)
     return {
         "controller": _label(controller),

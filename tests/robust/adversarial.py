@@ -1,7 +1,7 @@
 """Adversarial runs against the limits of a safeguard; `python -m tests.robust.adversarial [RUNS]`.
 
-Random torques of full size, which change at each tick, every 30, 200 or 800 ticks; a delay of 0 to 5
-ticks; a start anywhere. What is printed of each arm is the worst of all runs.
+Random torques of full size, which change at each tick, every 30, 200 or 800 ticks; a delay of 0 to
+5 ticks; a start anywhere. What is printed of each arm is the worst of all runs.
 """
 
 import sys

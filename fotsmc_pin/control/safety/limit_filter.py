@@ -55,7 +55,7 @@ class LimitFilter(SharesNothing):
         effort = self.arm.effort_limit
         self._table = table = np.zeros((rows.PENDING + limits.delay + 1, n))
         self._work = np.zeros((2 * n + 1, n))
-        self._torque = np.zeros((2, n))
+        self._torque, self._added = np.zeros((2, n)), np.zeros(n)
         self._state = np.zeros((2, max(n, self.arm.nq)))
         self._places = np.array(self.arm.model.idx_qs[1:], dtype=np.int64)
         speed = np.minimum(limits.velocity_share * np.asarray(limits.velocity), UNLIMITED)
@@ -79,13 +79,19 @@ class LimitFilter(SharesNothing):
         self._table[rows.X : rows.LEAST_TORQUE] = 0.0
         self._table[rows.LEAST :] = 0.0
         self._torque[:] = 0.0
+        self._added[:] = 0.0
         self._table[rows.LOWER] = self.limits.lower + np.asarray(self.limits.margin)
         self._table[rows.UPPER] = self.limits.upper - np.asarray(self.limits.margin)
 
     @property
     def signals(self) -> dict[str, Array]:
         """What the limits added to the last torque, (nv,) [N·m, N]."""
-        return {"limit_torque": self._torque[0] - self._torque[1]}
+        return {"limit_torque": self._added.copy()}
+
+    @property
+    def live_signals(self) -> dict[str, Array]:
+        """The signals themselves, which every tick writes anew."""
+        return {"limit_torque": self._added}
 
     def _demand_start(self, q: ArrayLike, v: ArrayLike) -> None:
         """Refuse a first state beyond the limits; one that is not usable is left to others.
@@ -189,6 +195,7 @@ class LimitFilter(SharesNothing):
                 sent[:] = np.clip(wanted, table[rows.LEAST_TORQUE], table[rows.MOST_TORQUE])
                 table[rows.A] = table[rows.PENDING] = a
                 worst = max(worst, short)
+        np.subtract(sent, law, out=self._added)
         if worst > 0.0 or self._lost:
             self._watch(worst)
         return sent.copy()
@@ -227,6 +234,7 @@ class LimitFilter(SharesNothing):
         self.broken = str(present(arrays, "broken")) or None
         self._table[:], self._torque[:], self._state[:] = table, torque, state
         self._lost, self.has_started = lost, started
+        np.subtract(self._sent, self._law, out=self._added)
 
     def __getstate__(self) -> dict[str, Any]:
         """Return everything but what `_link` makes."""

@@ -56,18 +56,21 @@ class SafeStop(SharesNothing):
         state: tuple[Array, Array],
         target: tuple[Array, Array, Array] | None,
         tau: Array,
+        a: Array | None = None,
     ) -> None:
         """Begin to brake from the last tick's `state` (q, v), at its `target` where that is near.
 
-        `tau` is the torque that acted of late, from which a brake without the law takes what load
-        the arm bears.
+        `tau` is the torque that acted of late at the acceleration `a`, the target's if None. The
+        load that the arm bears follows from them.
         """
         q, v = state
         start = (q, v, np.zeros(self.arm.nv))
         if target is not None and self._is_kept(state, target, NEAR, ALIKE):
             start = target
-        self._path = BrakingPath(self.arm, *start, self._shortest)
-        self._brake.begin(q, v, start[2], tau)
+        a = start[2] if a is None else a
+        load = tau - self.arm.mass_matrix(q) @ a
+        self._path = BrakingPath(self.arm, *start, load, self._shortest)
+        self._brake.begin(q, v, a, tau)
 
     def advance(
         self, state: tuple[Array, Array] | None, tau: Array, dt: float
@@ -82,7 +85,7 @@ class SafeStop(SharesNothing):
             return target
         if not self._is_kept(state, target, LOST, ASTRAY):
             self.by_law = False
-            self.begin(state, None, tau)
+            self.begin(state, None, tau, target[2])
             target = self._path.advance(dt)
         return target
 

@@ -74,7 +74,7 @@ class Safeguard(SharesNothing):
             friction_compensation: is added to the torque, unless the drives do that themselves.
             watchdog: longest time between two ticks before a safe stop [s]; ten ticks if None.
             speed_margin: share of the arm's speed limits at which a safe stop begins.
-            stop_ramp: least time in which a safe stop brakes [s]; more where torque limits ask it.
+            stop_ramp: least time in which a safe stop brakes [s].
             limits: what the arm may never pass, in a safe stop too; see `Limits`.
 
         Raises:
@@ -114,6 +114,12 @@ class Safeguard(SharesNothing):
     def signals(self) -> dict[str, Array]:
         """The controller's signals, and those of the limits."""
         return self.controller.signals | (self._limits.signals if self._limits else {})
+
+    @property
+    def live_signals(self) -> dict[str, Array]:
+        """The signals themselves, where the controller lets a recorder read them."""
+        live: dict[str, Array] = getattr(self.controller, "live_signals", {})
+        return live | self._limits.live_signals if live and self._limits else live
 
     @property
     def gains(self) -> Any:
@@ -233,6 +239,8 @@ class Safeguard(SharesNothing):
             tau = tau + friction
         if state is not None:
             self._q, self._v = state
+        if self._target is None:  # What acts before the first torque is what the drives add.
+            self._tau = self._drives.added(self._q, self._v)
         self._target = target
         self._send(tau, period, by_law=by_law)
         if by_law:
