@@ -28,6 +28,7 @@ DRAWS, MOSTLY = 50, 0.5
 NARROW = 0.5
 """Links that are always near each other are kept apart by this share of their usual distance."""
 TOLERANCE = 1e-3
+UNBOUNDED = 1e30
 SOFT = 8
 """The solver's mark of a constraint that may give way where all cannot be met."""
 AXES = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
@@ -42,7 +43,7 @@ class Separation:
 
         min ½ (a - a_law)ᵀ M (a - a_law)   with   J a ≥ …,   lower ≤ a ≤ upper,   |M a + h| ≤ τ_max
 
-    is solved (daqp); where not all can be met, torque limits come first.
+    is solved (daqp); where not all can be met, torque limits come first, and distances last.
 
     Only pairs are measured that may have come near since they were measured last.
     """
@@ -122,19 +123,23 @@ class Separation:
             [
                 table[limit_kernels.MOST],
                 table[limit_kernels.MOST_TORQUE] - h,
-                np.full(len(gaps), 1e30),
+                np.full(len(gaps), UNBOUNDED),
             ]
         )
         lower = np.concatenate(
             [table[limit_kernels.LEAST], table[limit_kernels.LEAST_TORQUE] - h, least]
         )
+        upper, lower = np.minimum(upper, UNBOUNDED), np.maximum(lower, -UNBOUNDED)
         sense = np.full(upper.size, SOFT, dtype=np.int32)
-        sense[n : 2 * n] = 0
-        a, _, flag, _ = self._solve(
-            np.array(M), f, A, np.clip(upper, -1e30, 1e30), np.clip(lower, -1e30, 1e30), sense
-        )
-        if flag < 1:
-            return None
+        sense[: 2 * n] = 0
+        for firm in (2 * n, n):
+            # The joints' own limits come before distances, and torque limits before all.
+            sense[: 2 * n - firm] = SOFT
+            a, _, flag, _ = self._solve(np.array(M), f, A, upper, lower, sense)
+            if flag > 0:
+                break
+        else:
+            return table[limit_kernels.A].copy(), np.inf
         short = (least - rows @ a) / braking
         return a, float(max(short.max(), 0.0))
 
