@@ -163,7 +163,7 @@ def main():
     parser.add_argument("arms", nargs="*", default=ARMS)
     parser.add_argument("--motions", type=int, default=5)
     parser.add_argument("--rotors", type=float, default=0.0)
-    parser.add_argument("--friction", type=float, default=0.0)
+    parser.add_argument("--friction", type=float, default=0.5)
     parser.add_argument("--delay", type=int, default=1)
     parser.add_argument("--conventions", type=int, default=len(CONVENTIONS))
     parser.add_argument("--distrust", action="store_true", help="stop without the law")

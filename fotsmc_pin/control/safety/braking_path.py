@@ -12,11 +12,11 @@ if TYPE_CHECKING:
     from fotsmc_pin.arms import Arm
     from fotsmc_pin.types import Array
 
-SHARE = 0.9
+SHARE = 0.92
 """Share of the effort limits that braking may take; the rest is for what the model lacks."""
 LONGEST = 0.5
 """The slowest braking, for an arm that is too weak to hold itself while it brakes [s]."""
-RISE = 0.2
+RISE = 0.15
 """Share of the braking time in which the deceleration rises, and in which it falls."""
 ROOM, GENTLE = 0.2, 0.2
 """The way that a stop may well take [rad, m], and the time [s]: it is not harder than that."""
@@ -30,8 +30,8 @@ class BrakingPath:
     """The path on which a safe stop brakes.
 
     The deceleration of a joint rises, stays and falls, a trapezium over its time `T`, of height
-    `v0 / (0.8 T)`. Each joint has the shortest time with which the torques asked for are at most
-    0.9 of the effort limits, or all joints have one, whichever moves them less. The acceleration at
+    `v0 / (0.85 T)`. Each joint has the shortest time with which the torques asked for are within
+    0.92 of the effort limits, or all have one, whichever moves them less. The acceleration at
     the start, which is the motion's, is faded out over 20 ms, so that speed and acceleration have
     no step.
 
@@ -91,15 +91,15 @@ def braking_times(arm: Arm, q: Array, v: Array, load: Array, shortest: float) ->
     start = min(max(shortest, gentle), max(shortest, GENTLE))
     asked, limit = arm.mass_matrix(q) / (1.0 - RISE), SHARE * arm.effort_limit
     together, alone = (
-        _feasible_times(asked, v, load, limit, start, apart=apart) for apart in (False, True)
+        feasible_times(asked, v, load, limit, start, apart=apart) for apart in (False, True)
     )
     return min(together, alone, key=lambda T: float(np.abs(v * T).max(initial=0.0)))
 
 
-def _feasible_times(
+def feasible_times(
     asked: Array, v: Array, load: Array, limit: Array, start: float, *, apart: bool
 ) -> Array:
-    """Lengthen the joints' times until the torque suffices, of all of them or `apart`."""
+    """Lengthen the joints' times from `start` until the torque suffices, of all or `apart`."""
     T, most = np.full(len(v), start), max(start, LONGEST)
     for k in range(ROUNDS):
         weak = np.abs(load - asked @ (v / T)) > limit

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 NEAR, ALIKE = 0.05, 0.2
 """Position error [rad, m] and share of the fastest speed within which the reference is where the
 arm is: the path then begins at the reference, so that the law sees no step."""
-LOST, ASTRAY = 0.1, 0.3
+LOST, ASTRAY = 0.2, 0.5
 """Position error [rad, m] and share of the fastest speed from which on the law has lost the
 path."""
 
@@ -60,15 +60,18 @@ class SafeStop(SharesNothing):
     ) -> None:
         """Begin to brake from the last tick's `state` (q, v), at its `target` where that is near.
 
-        `tau` is the torque that acted of late at the acceleration `a`, the target's if None. The
-        load that the arm bears follows from them.
+        `tau` is the torque that acted of late, from which the load follows that the arm bears; `a`
+        the acceleration at which it acted, where that was another path's.
         """
         q, v = state
         start = (q, v, np.zeros(self.arm.nv))
         if target is not None and self._is_kept(state, target, NEAR, ALIKE):
             start = target
-        a = start[2] if a is None else a
-        load = tau - self.arm.mass_matrix(q) @ a
+        if a is None:
+            a = start[2]
+            load = tau - self.arm.mass_matrix(q) @ a
+        else:  # What braking found too much is inertia, not load: brake as hard as can be.
+            load = self.arm.inverse_dynamics(q, v, np.zeros(self.arm.nv))
         self._path = BrakingPath(self.arm, *start, load, self._shortest)
         self._brake.begin(q, v, a, tau)
 
