@@ -169,10 +169,9 @@ class ModelLearning(Described):
         The torque is the wrapped controller's, with the model of the tick before; then the tick is
         learnt from. Of a measurement that is not usable nothing is learnt.
         """
-        law, terms, x = self.controller, self._terms, self._x
+        law, terms, x, limit = self.controller, self._terms, self._x, self.arm.effort_limit
         tau = law.update(q, v, q_d, v_d, a_d, dt)
         if not law.uses_model and self._feeds:
-            limit = law.joints.effort_limit
             self._friction = terms.friction(law.joints)
             tau = np.clip(tau + self._friction, -limit, limit)
         ticks = self._ticks
@@ -209,8 +208,8 @@ class ModelLearning(Described):
 
     def save_state(self) -> dict[str, Array]:
         """Return everything that is remembered, the controller's memory included, as arrays."""
-        own = {name[1:]: getattr(self, name).copy() for name in MEMORY}
-        return own | with_prefix("controller", self.controller.save_state())
+        whole = with_prefix("controller", self.controller.save_state())
+        return {name[1:]: getattr(self, name).copy() for name in MEMORY} | whole
 
     def restore_state(self, arrays: Mapping[str, ArrayLike]) -> None:
         """Take over what `save_state` gave, and go on from there bit for bit.

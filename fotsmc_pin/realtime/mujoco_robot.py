@@ -99,9 +99,10 @@ class MujocoRobot:
         names = [model.joint(number).name for number in range(model.njnt)]
         self._order = order = [arm.joint_names.index(name) for name in names]
         model.dof_armature[:] = arm.armature[order]
-        if not self._drives.hides_friction:
-            model.dof_damping[:] = arm.damping[order]
-            model.dof_frictionloss[:] = arm.friction[order]
+        # MuJoCo reads friction from the file too, so that it must be taken away where it is hidden.
+        left = 0.0 if self._drives.hides_friction else 1.0
+        model.dof_damping[:] = left * arm.damping[order]
+        model.dof_frictionloss[:] = left * arm.friction[order]
         mujoco.mj_setConst(model, self._data)
         self._data.qpos[:] = arm.to_joint_positions(q0)[order]
         if v0 is not None:

@@ -83,6 +83,21 @@ def test_the_limits_hold_for_what_is_sent_and_for_the_total(rate):
     assert (np.abs(np.array(sent)) > 0.99 * arm.effort_limit).any() or rate is not None
 
 
+@pytest.mark.parametrize("hides", [True, False])
+def test_drives_that_compensate_friction_leave_none(arm, hides):
+    true, clock = fp.perturb(arm, friction=2.0, damping=1.0), Clock()
+    words = ("gravity", "friction") if hides else ("gravity",)
+    robot = MujocoRobot(true, arm.neutral, v0=[1.0, -0.5], compensates=words, clock=clock)
+    energies = []
+    for clock.t in (0.0, 0.04):
+        q, v = robot.read()
+        energies.append(v @ true.mass_matrix(q) @ v)
+    if hides:
+        assert energies[1] == pytest.approx(energies[0], rel=5e-3)
+    else:
+        assert energies[1] < 0.98 * energies[0]
+
+
 def test_friction_is_not_compensated_twice(arm):
     compensation = FrictionCompensation(arm, friction=5.0)
     torques = []
