@@ -45,7 +45,7 @@ ROUNDNESS = 1e-3
 """How far the cosine and sine of a continuous joint may lie from the unit circle."""
 
 LINKED = {
-    *("_terms", "_euclidean", "q", "_q_d", "_tau"),
+    *("_terms", "model_terms", "_euclidean", "q", "_q_d", "_tau"),
     *("joints", "state", "_work", "_signals", "_arguments", "_code"),
 }
 """Attributes that only refer to a controller's arrays; no copy takes them along."""
@@ -194,6 +194,19 @@ class Controller(SharesNothing, ABC, Generic[G]):
         tau: Array = self._tau.copy()
         return tau
 
+    def note_applied(self, tau: Array, friction: Array) -> None:
+        """Take note of the torque that acts from the last tick on, where it is another than asked.
+
+        Observers work with it. A part that was added against friction is left out: a law's model
+        has no friction, so it is the rest that moves the arm.
+
+        Args:
+            tau: the total torque (nv,) [N·m, N].
+            friction: the part of it that was added against friction (nv,).
+        """
+        self._tau[:] = tau
+        self._tau -= friction
+
     def reset(self) -> None:
         """Forget everything: the controller is as it was when it was made."""
         for stream in self.memories.values():
@@ -270,6 +283,7 @@ class Controller(SharesNothing, ABC, Generic[G]):
         For wrappers; a copy of the controller goes back to the arm's own.
         """
         self._terms = terms
+        self.model_terms = terms if self.uses_model else None
         # Copies of the coefficients: a kernel is compiled once more for arrays that are read-only.
         streams = [(s.coefficients.copy(), s.memory) for s in self.memories.values()]
         self._arguments = (self._table, terms.M, terms.h, *chain(*streams))
