@@ -21,7 +21,7 @@ def guarded(name, **options):
     return fp.Safeguard(fp.RobustFONFTSM(arm, DT), friction_compensation=ahead, **options)
 
 
-def run(guard, ticks=200, spoil=lambda k, row: row):
+def run(guard, ticks=160, spoil=lambda k, row: row):
     """Drive a safeguard near a reference; `spoil` changes single ticks."""
     arm = guard.arm
     reference, log = Sinusoid.inside_limits(arm, ramp=0.1), Logged(guard)
@@ -59,8 +59,10 @@ STOPS = {
 }
 
 
-@pytest.mark.parametrize("name", ["kinova", "two_link"])
-@pytest.mark.parametrize("why", STOPS)
+@pytest.mark.parametrize(
+    ("why", "name"),
+    [("none", "kinova"), ("blind", "kinova"), *((why, "two_link") for why in STOPS)],
+)
 def test_it_stops_as_pythons_does(why, name, compiled):
     spoil, code = STOPS[why]
     guard = guarded(name)
