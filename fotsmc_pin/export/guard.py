@@ -257,8 +257,7 @@ class GuardedLaw:
 
     def _tick_lines(self) -> list[str]:
         n, real, number, status = self._n, self.dialect.real, self.dialect.number, self.names.status
-        one, zero = number(1.0), number(0.0)
-        bare = self.bare
+        one, zero, bare = number(1.0), number(0.0), self.bare
         seen = [
             f"are_finite(q, {self.arm.nq})",
             f"are_finite(v, {n})",
