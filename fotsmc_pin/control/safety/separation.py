@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from bisect import insort
+from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -9,6 +11,8 @@ import pinocchio as pin
 
 from fotsmc_pin.arms.self_collision import SelfCollision
 from fotsmc_pin.control.safety import limit_kernels
+from fotsmc_pin.control.safety import separation_kernels as kernels
+from fotsmc_pin.control.safety.shape_speeds import farthest, speeds
 from fotsmc_pin.errors import ArgumentError, MissingDependencyError
 
 if TYPE_CHECKING:
@@ -17,18 +21,14 @@ if TYPE_CHECKING:
 
 MOST_ROWS = 6
 """So many pairs of links are kept apart at a time, the nearest."""
-FARTHEST = 0.25
-"""Pairs are looked at from this distance beyond the clearance on [m]."""
-SHARE = 0.25
-"""Share of the joints' decelerations that is counted on in the direction of a distance."""
-LEAST_DECELERATION = 0.2
-"""Deceleration of a distance in the least favourable direction [m/s²]."""
+MOST_MEASURED = 12
+"""So many distances are measured in a tick at most; those of the others come in the next ones."""
+SIDES = 6
+"""Distances of the tool to the sides of its box."""
 DRAWS, MOSTLY = 50, 0.5
 """Pairs whose convex hulls overlap in most of so many random configurations are left out."""
 NARROW = 0.5
 """Links that are always near each other are kept apart by this share of their usual distance."""
-TOLERANCE = 1e-3
-UNBOUNDED = 1e30
 SOFT = 8
 """The solver's mark of a constraint that may give way where all cannot be met."""
 AXES = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
@@ -45,7 +45,9 @@ class Separation:
 
     is solved (daqp); where not all can be met, torque limits come first, and distances last.
 
-    Only pairs are measured that may have come near since they were measured last.
+    A pair is measured only where it may have come near: each distance that was measured shrinks
+    from tick to tick by the most that the joints' speeds allow, and those that may be the least
+    are measured first.
     """
 
     def __init__(self, limits: Limits, dt: float) -> None:
@@ -58,21 +60,28 @@ class Separation:
             ) from None
         self._solve = daqp.solve
         self._arm, self._dt, self._horizon = limits.arm, dt, (limits.delay + 3) * dt
-        self._braking = np.asarray(limits.braking)
+        self._braking = np.array(limits.braking)
         self._late = limits.delay * dt
         self._box = None if limits.box is None else np.array(limits.box, dtype=np.float64)
         self._model, self._data = self._arm.model, self._arm.model.createData()
         self._shapes: SelfCollision | None = None
+        n, most = self._arm.nv, SIDES + MOST_ROWS
+        self._rows, self._gaps = np.zeros((most, n)), np.zeros(most)
+        self._least, self._own = np.zeros((2, most))
+        self._matrix, self._limits = np.zeros((n + most, n)), np.zeros((3, 2 * n + most))
+        self._found, self._sides = np.zeros((MOST_ROWS, 7)), np.zeros((MOST_ROWS, n))
+        self._nearest = np.zeros(MOST_MEASURED, dtype=np.int64)
         if limits.clearance is not None:
             self._shapes = SelfCollision(self._arm, clearance=limits.clearance)
             self._data = self._shapes._data
             self._use_pairs(self._shapes, limits.clearance)
+        self._compile()
         self.reset()
 
     def reset(self) -> None:
         """Forget what was measured."""
         if self._shapes is not None:
-            self._bounds = np.full(len(self._kept), -np.inf)
+            self._pairs[kernels.BOUND] = -np.inf
 
     def demand_start(self, q: Array) -> None:
         """Refuse a start where links are too close or the tool is outside the box.
@@ -89,11 +98,12 @@ class Separation:
                     raise ArgumentError("q", q, remedy)
         if self._shapes is not None and self._kept.size:
             found = self._shapes.distances(q)[self._kept]
-            k = int(np.argmin(found - self._clearance))
-            if found[k] < self._clearance[k]:
+            clearance = self._pairs[kernels.CLEARANCE]
+            k = int(np.argmin(found - clearance))
+            if found[k] < clearance[k]:
                 one, other = self._shapes.pairs[self._kept[k]]
                 remedy = f"{one} and {other} start {found[k]:.3g} m apart, less than the clearance"
-                raise ArgumentError("q", q, f"{remedy} of {self._clearance[k]:.3g} m")
+                raise ArgumentError("q", q, f"{remedy} of {clearance[k]:.3g} m")
 
     def accelerations(
         self, q: Array, v: Array, M: Array, h: Array, law: Array, table: Array
@@ -108,84 +118,87 @@ class Separation:
             law: torque of the law (nv,).
             table: the joints' bounds, and the accelerations that keep them; see `limit_kernels`.
         """
-        rows, gaps = self._near(q, v)
-        if not len(gaps):
+        count = self._near(q, v)
+        if not count:
             return None
-        closing = -(rows @ v)
-        braking = np.maximum(SHARE * np.abs(rows) @ self._braking, LEAST_DECELERATION)
-        least = -self._room(gaps - self._late * np.maximum(closing, 0.0), closing, braking)
-        if (rows @ table[limit_kernels.A] >= least - TOLERANCE * braking).all():
+        rows, gaps = self._rows[:count], self._gaps[:count]
+        least, own = self._least[:count], self._own[:count]
+        far = (self._late, self._horizon)
+        if kernels.distances_are_kept(v, rows, gaps, self._braking, *far, least, own, table):
             return None
         n = v.size
-        f = -np.asarray(law - h)
-        A = np.ascontiguousarray(np.vstack([M, rows]))
-        upper = np.concatenate(
-            [
-                table[limit_kernels.MOST],
-                table[limit_kernels.MOST_TORQUE] - h,
-                np.full(len(gaps), UNBOUNDED),
-            ]
-        )
-        lower = np.concatenate(
-            [table[limit_kernels.LEAST], table[limit_kernels.LEAST_TORQUE] - h, least]
-        )
-        upper, lower = np.minimum(upper, UNBOUNDED), np.maximum(lower, -UNBOUNDED)
-        sense = np.full(upper.size, SOFT, dtype=np.int32)
+        kernels.fill_program(M, h, law, rows, least, table, self._matrix, self._limits)
+        matrix, limits = self._matrix[: n + count], self._limits[:, : 2 * n + count]
+        sense = np.full(2 * n + count, SOFT, dtype=np.int32)
         sense[: 2 * n] = 0
+        f, lower, upper = limits[0, :n], limits[1], limits[2]
         for firm in (2 * n, n):
             # The joints' own limits come before distances, and torque limits before all.
             sense[: 2 * n - firm] = SOFT
-            a, _, flag, _ = self._solve(np.array(M), f, A, upper, lower, sense)
+            a, _, flag, _ = self._solve(np.array(M), f, matrix, upper, lower, sense)
             if flag > 0:
                 break
         else:
             return table[limit_kernels.A].copy(), np.inf
-        short = (least - rows @ a) / braking
+        short = (least - rows @ a) / own
         return a, float(max(short.max(), 0.0))
 
-    def _room(self, gap: Array, closing: Array, braking: Array) -> Array:
-        """Return the most acceleration of each closing distance, as `limit_kernels.room` does."""
-        slow = 4.0 * self._horizon
-        bend = braking * slow * slow
-        far = gap > bend
-        root = np.sqrt(2.0 * braking * np.where(far, gap - 0.5 * bend, bend))
-        allowed = np.where(far, root, gap / slow)
-        slope = np.where(far, braking / root, 1.0 / slow)
-        most: Array = (allowed - closing) / self._horizon - slope * np.maximum(closing, 0.0)
-        return most
-
-    def _near(self, q: Array, v: Array) -> tuple[Array, Array]:
-        """Return gradients (k, nv) of the distances that may close, and what is left of each."""
-        rows: list[Array] = []
-        gaps: list[float] = []
-        pin.computeJointJacobians(self._model, self._data, q)
+    def _near(self, q: Array, v: Array) -> int:
+        """Write gradients of the distances that may close and what is left; return how many."""
+        count = 0
         if self._box is not None:
+            pin.computeJointJacobians(self._model, self._data, q)
             place = pin.updateFramePlacement(self._model, self._data, self._arm.tool_frame_id)
             jacobian = pin.getFrameJacobian(self._model, self._data, self._arm.tool_frame_id, AXES)
             for side, sign in ((0, 1.0), (1, -1.0)):
-                rows.extend(sign * jacobian[:3])
-                gaps.extend(sign * (place.translation - self._box[side]))
+                self._rows[count : count + 3] = sign * jacobian[:3]
+                gaps = sign * (place.translation - self._box[side])
+                self._gaps[count : count + 3] = gaps
+                count += 3
         if self._shapes is not None and self._kept.size:
-            self._add_pairs(q, v, rows, gaps)
-        return np.array(rows).reshape(len(gaps), v.size), np.array(gaps)
+            count += self._add_pairs(q, v, count)
+        return count
 
-    def _add_pairs(self, q: Array, v: Array, rows: list[Array], gaps: list[float]) -> None:
+    def _add_pairs(self, q: Array, v: Array, start: int) -> int:
+        """Write the nearest pairs from the row `start` on; return how many."""
         shapes: Any = self._shapes
-        speed = self._reach @ np.abs(v)
-        self._bounds -= speed * self._dt
-        way = 0.02 + speed * 5.0 * self._horizon + speed**2 / self._needs
-        within = self._clearance + np.minimum(way, FARTHEST)
-        near = np.flatnonzero(self._bounds < within)
-        if not near.size:
-            return
-        hulls, data = shapes._hulls, shapes._hull_data
+        pairs, nearest = self._pairs, self._nearest
+        more = kernels.nearest_pairs(v, self._dt, self._horizon, self._tables, pairs, nearest)
+        if not more:
+            return 0
+        hulls, data, bounds = shapes._hulls, shapes._hull_data, pairs[kernels.BOUND]
+        pin.computeJointJacobians(self._model, self._data, q)
         pin.updateGeometryPlacements(self._model, self._data, hulls, data)
-        for k in near:
-            self._bounds[k] = pin.computeDistance(hulls, data, int(self._kept[k])).min_distance
-        for k in near[np.argsort(self._bounds[near])[:MOST_ROWS]]:
-            if self._bounds[k] < within[k]:
-                rows.append(shapes.gradient(int(self._kept[k])))
-                gaps.append(float(self._bounds[k] - self._clearance[k]))
+        measured: list[tuple[float, int, Any]] = []
+        for k in nearest[:more].tolist():
+            if len(measured) >= MOST_ROWS and bounds[k] > measured[MOST_ROWS - 1][0]:
+                break  # The six nearest are known: all others are farther.
+            found = pin.computeDistance(hulls, data, self._numbers[k])
+            bounds[k] = distance = found.min_distance
+            insort(measured, (distance, k, found), key=itemgetter(0))
+        chosen = measured[:MOST_ROWS]
+        for row, (distance, k, found) in enumerate(chosen):
+            self._found[row, :3] = found.normal
+            self._found[row, 3:6] = found.getNearestPoint1()
+            self._found[row, 6] = distance - pairs[kernels.CLEARANCE, k]
+            self._sides[row] = self._moved[k]
+        count = len(chosen)
+        end = start + count
+        places = (self._rows[start:end], self._gaps[start:end])
+        kernels.gradients(self._data.J, self._found[:count], self._sides[:count], *places)
+        return count
+
+    def _compile(self) -> None:
+        """Compile the kernels, so that no tick has to wait."""
+        n = self._arm.nv
+        table, M = np.zeros((limit_kernels.PENDING, n)), np.eye(n)
+        none, rows = np.zeros(n), self._rows
+        places, numbers = (self._least, self._own), (self._late, self._horizon)
+        kernels.gradients(
+            self._data.J, self._found, self._sides, rows[:MOST_ROWS], self._gaps[:MOST_ROWS]
+        )
+        kernels.distances_are_kept(none, rows, self._gaps, self._braking, *numbers, *places, table)
+        kernels.fill_program(M, none, none, rows, self._least, table, self._matrix, self._limits)
 
     def _use_pairs(self, shapes: SelfCollision, clearance: float) -> None:
         """Keep the pairs that are apart somewhere; bound how fast each can close."""
@@ -194,32 +207,24 @@ class Separation:
         draws = [arm.random_configuration(rng) for _ in range(DRAWS)]
         found = np.array([shapes.distances(q) for q in draws]).reshape(DRAWS, n)
         self._kept = np.flatnonzero((found < 0.0).mean(axis=0) <= MOSTLY)
+        self._numbers: list[int] = self._kept.tolist()
+        self._pairs = np.zeros((3, self._kept.size))
         usual = np.median(found[:, self._kept], axis=0)
-        self._clearance = np.clip(NARROW * usual, 0.0, clearance)
-        pairs = [shapes._hulls.collisionPairs[int(k)] for k in self._kept]
+        self._pairs[kernels.CLEARANCE] = np.clip(NARROW * usual, 0.0, clearance)
         objects = shapes._hulls.geometryObjects
-        reach = [_extent(shape) for shape in objects]
-        slopes = np.zeros((len(pairs), arm.nv))
+        reach = np.array([farthest(arm, shape) for shape in objects])
+        pairs = [shapes._hulls.collisionPairs[k] for k in self._numbers]
+        first, second = (
+            np.array([getattr(pair, side) for pair in pairs], dtype=int)
+            for side in ("first", "second")
+        )
+        # A joint before both links moves them as one piece.
+        self._moved = (reach[second] > 0.0) * 1.0 - (reach[first] > 0.0)
+        alone = np.abs(self._moved)
+        usually = np.zeros_like(reach)
         for q in draws:
-            pin.computeJointJacobians(self._model, self._data, q)
-            for k, pair in enumerate(pairs):
-                speeds = np.zeros((2, arm.nv))
-                for side, shape in enumerate((pair.first, pair.second)):
-                    joint = objects[shape].parentJoint
-                    if joint:
-                        J = pin.getJointJacobian(self._model, self._data, joint, AXES)
-                        turning = np.linalg.norm(J[3:], axis=0)
-                        speeds[side] = np.linalg.norm(J[:3], axis=0) + reach[shape] * turning
-                # A joint before both links moves them as one piece.
-                alone = (speeds[0] > 0.0) != (speeds[1] > 0.0)
-                slopes[k] = np.maximum(slopes[k], np.where(alone, speeds.sum(axis=0), 0.0))
-        self._reach = slopes
-        self._needs = 2.0 * np.maximum(SHARE * slopes @ self._braking, LEAST_DECELERATION)
-
-
-def _extent(shape: Any) -> float:
-    """Return how far a shape reaches from the origin of its joint [m]."""
-    shape.geometry.computeLocalAABB()
-    box = shape.geometry.aabb_local
-    corner = np.maximum(np.abs(box.min_), np.abs(box.max_))
-    return float(np.linalg.norm(shape.placement.translation) + np.linalg.norm(corner))
+            usually = np.maximum(usually, speeds(arm, q, objects))
+        tables = [alone * (table[first] + table[second]) for table in (reach, usually)]
+        self._tables = np.array(tables)
+        strength = kernels.SHARE * self._tables[kernels.SLOPE] @ self._braking
+        self._pairs[kernels.NEEDS] = 2.0 * np.maximum(strength, kernels.LEAST_DECELERATION)

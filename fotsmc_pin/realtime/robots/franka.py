@@ -27,8 +27,9 @@ class Franka:
     The arm adds gravity and its own friction to what it is sent, and its `read` blocks until the
     next tick of 1 ms: a controller for it has `dt=1e-3`. Gravity is that of the arm, of the end
     effector that is set in its settings, and of the load told by `set_load`: the nominal arm of the
-    controller must carry the same. The arm stops itself where a torque changes by more than
-    1000 N·m/s: give the `Safeguard` a `torque_rate` of at most 900.
+    controller must carry the same. The arm aborts where a commanded torque changes by more than
+    1000 N·m/s (`kMaxTorqueRate` in libfranka's rate_limiting.h, a necessary condition in Franka's
+    "Control Interface Specification"): give the `Safeguard` a `torque_rate` of at most 900.
 
     It was tried against the library's signatures only, never on an arm.
 
