@@ -77,7 +77,7 @@ def test_an_arm_with_other_joints_is_refused(measured, tmp_path):
 @pytest.mark.parametrize("words", [("gravity",), ("gravity", "coriolis"), ("coriolis", "friction")])
 def test_what_a_robot_adds_is_known_from_its_run(arm, words):
     """Of a run on a robot the torque that was sent is the log's, and the sum is the total again."""
-    rec = recorded(arm)
+    rec = recorded(arm, duration=1.2)
     added = np.zeros_like(rec.tau)
     for k, (q, v) in enumerate(zip(rec.q, rec.v, strict=True)):
         weight = arm.gravity(q)

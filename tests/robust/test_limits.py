@@ -104,7 +104,7 @@ def test_links_stay_apart():
     arm = fp.load_arm("ur5")
     _, _, guard, rec = run(arm, 1, seconds=0.5, clearance=0.03)
     apart = guard._limits._separation
-    least = min((apart._shapes.distances(q) - apart._clearance).min() for q in rec.q[::10])
+    least = min(apart.gaps(q).min() for q in rec.q[::10])
     assert least > -2e-3
 
 

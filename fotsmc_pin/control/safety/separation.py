@@ -97,13 +97,20 @@ class Separation:
                     remedy = f"the tool starts at {letter} = {place[axis]:.3g} m, outside the box"
                     raise ArgumentError("q", q, remedy)
         if self._shapes is not None and self._kept.size:
-            found = self._shapes.distances(q)[self._kept]
-            clearance = self._pairs[kernels.CLEARANCE]
-            k = int(np.argmin(found - clearance))
-            if found[k] < clearance[k]:
+            gaps, clearance = self.gaps(q), self._pairs[kernels.CLEARANCE]
+            k = int(np.argmin(gaps))
+            if gaps[k] < 0.0:
                 one, other = self._shapes.pairs[self._kept[k]]
-                remedy = f"{one} and {other} start {found[k]:.3g} m apart, less than the clearance"
+                apart = f"{gaps[k] + clearance[k]:.3g} m apart"
+                remedy = f"{one} and {other} start {apart}, less than the clearance"
                 raise ArgumentError("q", q, f"{remedy} of {clearance[k]:.3g} m")
+
+    def gaps(self, q: Array) -> Array:
+        """Return by how much the distance of each pair exceeds its clearance at `q` [m]."""
+        if self._shapes is None:
+            return np.zeros(0)
+        gaps: Array = self._shapes.distances(q)[self._kept] - self._pairs[kernels.CLEARANCE]
+        return gaps
 
     def accelerations(
         self, q: Array, v: Array, M: Array, h: Array, law: Array, table: Array
