@@ -175,7 +175,7 @@ def _coriolis_torque(arm: Arm, log: Log, x: Array) -> Array:
     v = np.gradient(x, log.t, axis=0) if log.v is None else log.v
     still = np.zeros(arm.nv)
     moving = [arm.inverse_dynamics(q, speed, still) for q, speed in zip(log.q, v, strict=True)]
-    return np.array(moving) - np.array([arm.gravity(q) for q in log.q])
+    return np.asarray(np.array(moving) - np.array([arm.gravity(q) for q in log.q]))
 
 
 def _left_out(log: Log) -> str:
