@@ -8,7 +8,7 @@ import pytest
 import fotsmc_pin as fp
 from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.references import Hold, Sinusoid
-from tests.robust.adversarial import DT, Wild, run
+from tests.robust.adversarial import DT, KINDS, Wild, attack, run
 
 
 @pytest.mark.parametrize(("name", "seed"), [("panda", 5), ("panda", 2), ("ur5", 3), ("kinova", 7)])
@@ -19,6 +19,16 @@ def test_no_joint_passes_its_end_or_its_speed(name, seed):
     assert speed <= 1.02
     assert guard.stopped is None
     assert np.abs(rec.signals["limit_torque"]).max() > 1.0  # they were at work
+
+
+@pytest.mark.parametrize(("name", "seed"), [("panda", 1), ("kinova", 2), ("panda", 4 * 2 + 3)])
+def test_no_attack_passes_the_limits(name, seed):
+    """Targets that jump, readings that are no numbers, live targets that go stale."""
+    outcome = attack(fp.load_arm(name), seed, seconds=0.7)
+    assert outcome.kind == KINDS[seed % 4]
+    assert outcome.beyond < 0.0
+    assert outcome.speed <= 1.02
+    assert (outcome.stopped is not None) == (outcome.kind == "no numbers")
 
 
 def test_without_limits_the_same_law_passes_them():
