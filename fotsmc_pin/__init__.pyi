@@ -15,6 +15,7 @@ from .control import (
     Controller as Controller,
     FONFTSM as FONFTSM,
     FractionalSwitchingSMC as FractionalSwitchingSMC,
+    Limits as Limits,
     LinearSMC as LinearSMC,
     NonsingularTSM as NonsingularTSM,
     RobustFONFTSM as RobustFONFTSM,

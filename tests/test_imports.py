@@ -56,8 +56,11 @@ KEEPERS = {
     },
     "meshcat": {"view"},
     "matplotlib": {"view"},
+    "pylibfranka": {"realtime"},
+    "rtde_control": {"realtime"},
+    "rtde_receive": {"realtime"},
 }
-LATE = {"meshcat", "matplotlib"}
+LATE = {"meshcat", "matplotlib", "pylibfranka", "rtde_control", "rtde_receive"}
 """Libraries that are imported when called, and not when the library is."""
 
 

@@ -1,8 +1,10 @@
 // A libfranka torque callback around an exported controller. Checked for its syntax only: it was not run
-// on a robot. Export with a Safeguard, and try it first against a simulated robot.
+// on a robot. Try it first against a simulated robot. Export with
 //
-// libfranka adds gravity compensation to the torque that it is sent, and friction compensation, so that
-// the model's gravity is taken away here. Its `control` paces the loop: do not sleep.
+//   fotsmc export panda --safeguard --torque-rate 900 --compensates gravity,friction -o ctrl/
+//
+// since the arm adds gravity and friction compensation to the torque that it is sent: `sent` is the rest.
+// libfranka's `control` paces the loop: do not sleep.
 #include "fotsmc_panda.h"
 
 #include <franka/exception.h>
@@ -43,7 +45,7 @@ int main(int argc, char **argv) {
             const int status = fotsmc_panda_update(&controller, state.q.data(), state.dq.data(), q_d.data(),
                                                    v_d.data(), a_d.data(), M.data(), h.data(), g.data(), dt,
                                                    tau.data());
-            for (std::size_t i = 0; i < 7; i++) { tau[i] -= g[i]; }
+            std::copy_n(controller.sent, 7, tau.begin());
             const franka::Torques torques(tau);
             const bool at_rest = std::all_of(state.dq.begin(), state.dq.end(),
                                              [](double v) { return std::fabs(v) < 1e-2; });

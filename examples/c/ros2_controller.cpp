@@ -3,7 +3,7 @@
 // It claims the effort command of each joint and its position and velocity, computes M and h by Pinocchio
 // from the URDF in the parameter `urdf`, and holds the pose that it finds when it is activated; a
 // real one takes its reference from a topic, through a buffer that does not block. Export with a Safeguard.
-// Drives that compensate gravity themselves must be sent tau - g.
+// For drives that compensate gravity themselves export with `--compensates gravity`: `sent` is the rest.
 #include "fotsmc_panda.h"
 
 #include <controller_interface/controller_interface.hpp>
@@ -65,7 +65,9 @@ public:
         // Symmetric: by columns is by rows. A status beside OK means that a safe stop is on.
         fotsmc_panda_update(&controller_, q_.data(), v_.data(), hold_.data(), rest, rest, data_.M.data(),
                             data_.nle.data(), data_.g.data(), period.seconds(), tau);
-        for (std::size_t i = 0; i < FOTSMC_PANDA_NV; i++) { command_interfaces_[i].set_value(tau[i]); }
+        for (std::size_t i = 0; i < FOTSMC_PANDA_NV; i++) {
+            command_interfaces_[i].set_value(controller_.sent[i]);
+        }
         return controller_interface::return_type::OK;
     }
 

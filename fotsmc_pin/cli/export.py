@@ -29,20 +29,35 @@ def export_command(
         float | None,
         typer.Option(help="With --safeguard: largest rate of each torque [N·m/s, N/s]."),
     ] = None,
+    compensates: Annotated[
+        str | None,
+        typer.Option(
+            help="With --safeguard: what the robot's drives add themselves, of gravity, coriolis "
+            "and friction, with commas between."
+        ),
+    ] = None,
     single: Annotated[
         bool, typer.Option("--float", help="Numbers of single precision in place of double.")
     ] = False,
     force: Force = False,
 ) -> None:
     """Write a controller as C99 that needs math.h alone, for loops in hard real time."""
-    from fotsmc_pin.control import Safeguard
+    from fotsmc_pin.control import Controller, Safeguard
     from fotsmc_pin.errors import ArgumentError
     from fotsmc_pin.export import export_c
 
-    if torque_rate is not None and not guarded:
-        raise ArgumentError("--torque-rate", torque_rate, "give --safeguard too, whose limit it is")
+    if not guarded:
+        if torque_rate is not None:
+            remedy = "give --safeguard too, whose limit it is"
+            raise ArgumentError("--torque-rate", torque_rate, remedy)
+        if compensates is not None:
+            remedy = "give --safeguard too, which takes it away"
+            raise ArgumentError("--compensates", compensates, remedy)
     controller = law.make(arm_options.load(arm), dt)
+    written: Controller | Safeguard = controller
+    if guarded:
+        written = Safeguard(controller, torque_rate=torque_rate)
+        written.compensates = tuple((compensates or "").replace(",", " ").split())
     folder = result_folder(out, force=force)
-    written = Safeguard(controller, torque_rate=torque_rate) if guarded else controller
     header, source = export_c(written, folder, single=single)
     say(f"Written to {header} and {source}; the header says how to call it.")

@@ -20,7 +20,7 @@ from fotsmc_pin.control.friction_terms import FrictionTerms
 from fotsmc_pin.control.linear_smc import LinearSMC
 from fotsmc_pin.control.nonsingular_tsm import NonsingularTSM
 from fotsmc_pin.control.robust_fonftsm import RobustFONFTSM
-from fotsmc_pin.control.safety import Safeguard, SoftStart
+from fotsmc_pin.control.safety import Limits, Safeguard, SoftStart
 from fotsmc_pin.control.spring_observer import SpringObserver
 from fotsmc_pin.control.super_twisting_smc import SuperTwistingSMC
 from fotsmc_pin.control.tde_fontsm import TDEFONTSM
@@ -57,6 +57,7 @@ __all__ = [
     "FrictionCompensation",
     "FrictionTerms",
     "GravityWarning",
+    "Limits",
     "LinearSMC",
     "NonsingularTSM",
     "PaperConditionWarning",

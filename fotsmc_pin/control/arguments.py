@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import pinocchio as pin
 
 from fotsmc_pin import checks
 from fotsmc_pin.compiled import kernel
@@ -15,10 +17,14 @@ from fotsmc_pin.errors import ArgumentError, MeasurementError
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
+    from fotsmc_pin.arms import Arm
     from fotsmc_pin.types import Array
 
 LARGEST = 1e8
 """Positions, speeds and accelerations beyond this are taken as this, so that nothing overflows."""
+
+ROUNDNESS = 1e-3
+"""How far the cosine and sine of a continuous joint may lie from the unit circle."""
 
 ARGUMENTS = ("q", "v", "q_d", "v_d", "a_d")
 
@@ -64,3 +70,20 @@ def cleaned_arguments(nq: int, nv: int, *values: ArrayLike) -> list[Array]:
         except ArgumentError as error:
             raise MeasurementError(name, value, error.remedy) from None
     return clean
+
+
+def demand_round(arm: Arm, name: str, value: Any, q: Array) -> None:
+    """Refuse a configuration whose cosines and sines are none; plain joints pass.
+
+    Args:
+        arm: the arm.
+        name: what the argument is called.
+        value: the argument as it was given.
+        q: the same as numbers (nq,).
+
+    Raises:
+        MeasurementError: a continuous joint's pair lies farther than `ROUNDNESS` from the circle.
+    """
+    if not (arm.is_euclidean or pin.isNormalized(arm.model, q, ROUNDNESS)):
+        remedy = "give the cosine and sine of each continuous joint"
+        raise MeasurementError(name, value, remedy)

@@ -14,7 +14,7 @@ from typing_extensions import TypeVar
 from fotsmc_pin import checks
 from fotsmc_pin.arms import Arm, demand_arm
 from fotsmc_pin.compiled import restricted, specialized
-from fotsmc_pin.control.arguments import cleaned_arguments, read_arguments
+from fotsmc_pin.control.arguments import cleaned_arguments, demand_round, read_arguments
 from fotsmc_pin.control.conditions import warn_of_gravity, warn_of_slow_ticks
 from fotsmc_pin.control.declaration import check_declaration
 from fotsmc_pin.control.friction_terms import FrictionTerms
@@ -23,7 +23,6 @@ from fotsmc_pin.control.model_terms import ModelTerms
 from fotsmc_pin.control.rows import NoRows, new_table, rows, signal_views
 from fotsmc_pin.control.saved_state import restore, saved
 from fotsmc_pin.copying import SharesNothing
-from fotsmc_pin.errors import MeasurementError
 from fotsmc_pin.notebook import page_of
 
 if TYPE_CHECKING:
@@ -42,11 +41,8 @@ SignalRows: TypeAlias = Mapping[str, str | tuple[str, ...]]
 SHORTEST_TICK, LONGEST_TICK = 1e-3, 1e6
 """Measured periods of a tick are refused outside these multiples of the nominal one."""
 
-ROUNDNESS = 1e-3
-"""How far the cosine and sine of a continuous joint may lie from the unit circle."""
-
 LINKED = {
-    *("_terms", "_euclidean", "q", "_q_d", "_tau"),
+    *("_terms", "model_terms", "_euclidean", "q", "_q_d", "_tau"),
     *("joints", "state", "_work", "_signals", "_arguments", "_code"),
 }
 """Attributes that only refer to a controller's arrays; no copy takes them along."""
@@ -99,6 +95,7 @@ class Controller(SharesNothing, ABC, Generic[G]):
     presets: ClassVar[Mapping[str, Mapping[str, Any]]] = {"default": {}}
     representative: ClassVar[bool] = False
     uses_model: ClassVar[bool] = True
+    _feeds_friction = True
     tick: ClassVar[Callable[..., None]]
 
     gains: G
@@ -195,6 +192,19 @@ class Controller(SharesNothing, ABC, Generic[G]):
         tau: Array = self._tau.copy()
         return tau
 
+    def note_applied(self, tau: Array, friction: Array) -> None:
+        """Take note of the torque that acts from the last tick on, where it is another than asked.
+
+        Observers work with it. A part that was added against friction is left out: a law's model
+        has no friction, so it is the rest that moves the arm.
+
+        Args:
+            tau: the total torque (nv,) [N·m, N].
+            friction: the part of it that was added against friction (nv,).
+        """
+        self._tau[:] = tau
+        self._tau -= friction
+
     def reset(self) -> None:
         """Forget everything: the controller is as it was when it was made."""
         for stream in self.memories.values():
@@ -261,8 +271,8 @@ class Controller(SharesNothing, ABC, Generic[G]):
         self._signals = signal_views(
             self._table, self.Gains, self.State, self.Work, self.signal_rows
         )
-        known = self.arm.friction_is_known
-        self.use_terms(FrictionTerms(self.arm) if known else ModelTerms(self.arm.model))
+        feeds = self.arm.friction_is_known and self._feeds_friction
+        self.use_terms(FrictionTerms(self.arm) if feeds else ModelTerms(self.arm.model))
         q, v = self.q, self.joints.v
         restricted(read_arguments, q, v, q, v, v, self._configurations, self._table)
 
@@ -272,15 +282,20 @@ class Controller(SharesNothing, ABC, Generic[G]):
         For wrappers; a copy of the controller goes back to the arm's own.
         """
         self._terms = terms
+        self.model_terms = terms if self.uses_model else None
         # Copies of the coefficients: a kernel is compiled once more for arrays that are read-only.
         streams = [(s.coefficients.copy(), s.memory) for s in self.memories.values()]
         self._arguments = (self._table, terms.M, terms.h, *chain(*streams))
         self._code = specialized(self.tick, self.dt, *self._arguments)
 
+    def leave_friction_out(self) -> None:
+        """Feed no friction forward, also where it is known: for drives that compensate it."""
+        self._feeds_friction = False
+        if isinstance(self._terms, FrictionTerms):
+            self.use_terms(ModelTerms(self.arm.model))
+
     def _read_difference(self, q: ArrayLike, q_d: ArrayLike) -> None:
         """Read `e = q ⊖ q_d` of an arm with continuous joints, whose `q` are no plain vector."""
         for name, value, found in (("q", q, self.q), ("q_d", q_d, self._q_d)):
-            if not pin.isNormalized(self.arm.model, found, ROUNDNESS):
-                remedy = "give the cosine and sine of each continuous joint"
-                raise MeasurementError(name, value, remedy)
+            demand_round(self.arm, name, value, found)
         self.joints.e[:] = pin.difference(self.arm.model, self._q_d, self.q)

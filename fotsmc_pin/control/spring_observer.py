@@ -225,6 +225,11 @@ class SpringObserver(Wrapper):
         self._sent[-1] = tau
         return tau
 
+    def note_applied(self, tau: Array, friction: Array) -> None:
+        """Take `tau` less `friction` as what drives the motors; see `Controller.note_applied`."""
+        self._sent[-1] = tau - friction
+        self.controller.note_applied(tau, friction)
+
     def save_state(self) -> dict[str, Array]:
         """Return everything that is remembered, the controller's memory included, as arrays."""
         own = {name[1:]: getattr(self, name).copy() for name in MEMORY}
@@ -237,12 +242,10 @@ class SpringObserver(Wrapper):
             ArgumentError: an array is missing, of the wrong shape or not finite. The memory stays
                 as it was.
         """
-        own = {
-            name: checks.finite_array(
-                name[1:], present(arrays, name[1:]), getattr(self, name).shape
-            )
-            for name in MEMORY
-        }
+        own = {}
+        for name in MEMORY:
+            given = present(arrays, name[1:])
+            own[name] = checks.finite_array(name[1:], given, getattr(self, name).shape)
         self.controller.restore_state(part(arrays, "controller"))
         for name, array in own.items():
             getattr(self, name)[:] = array

@@ -36,6 +36,10 @@ class Wrapper(SharesNothing):
         about: dict[str, Any] = getattr(self.controller, "about", {})
         return about
 
+    def leave_friction_out(self) -> None:
+        """See `Controller.leave_friction_out`."""
+        self.controller.leave_friction_out()
+
     @property
     def signals(self) -> dict[str, Array]:
         """Copies of the signals by name."""

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fotsmc_pin.control.controller import LONGEST_TICK, ROUNDNESS, SHORTEST_TICK
+from fotsmc_pin.control.arguments import ROUNDNESS
+from fotsmc_pin.control.controller import LONGEST_TICK, SHORTEST_TICK
 from fotsmc_pin.control.rows import Joints
 from fotsmc_pin.export.dialect import comment, identifier, member_name
 from fotsmc_pin.export.joints import Turning, joints_of

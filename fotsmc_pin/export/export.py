@@ -32,13 +32,21 @@ def export_c(
         The header and the program.
 
     Raises:
-        ArgumentError: what is given is no controller, or an arm has a joint of several axes.
+        ArgumentError: what is given is no controller, an arm has a joint of several axes, or a
+            `Safeguard` has `Limits`, which need Pinocchio's collision models and a solver.
         TranslationError: a kernel contains what is not translated; the message names the place.
     """
     if not isinstance(controller, Controller | Safeguard):
         raise ArgumentError("controller", controller, "give a control law or a Safeguard")
     if isinstance(controller, Safeguard) and not isinstance(controller.controller, Controller):
         raise ArgumentError("controller", controller, "give a Safeguard around a control law")
+    if isinstance(controller, Safeguard) and controller.limits is not None:
+        remedy = (
+            "a Safeguard with limits stays in Python, as they need Pinocchio's distances and a "
+            "quadratic program at each tick: export it without limits, and let the robot's own "
+            "controller keep joint ends and speeds"
+        )
+        raise ArgumentError("controller", controller, remedy)
     files = Files(controller, single=single)
     source, header = files.source(), files.header()
     paths = Path(folder) / f"{files.prefix}.h", Path(folder) / f"{files.prefix}.c"

@@ -44,8 +44,11 @@ GUARDED_RESET = "End a stop and forget everything but gains and limits: the next
 STOP = "Begin a safe stop; the next tick is its first."
 GRAVITY = "  g              gravity at q (Pinocchio's computeGeneralizedGravity)"
 RESULT = (
-    "Returns @_OK while all is well. Any other status tells why a safe stop is on: tau",
-    "then leads over to gravity compensation and damping. Only a reset ends it.",
+    "Returns @_OK while all is well. Any other status tells why a safe stop is on: the arm",
+    "is braked and then held. Only a reset ends it.",
+    "",
+    "tau is the total torque. What of it is to be commanded, without what the drives add of",
+    "their own accord, is state->sent.",
 )
 
 

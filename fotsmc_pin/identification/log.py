@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from fotsmc_pin.simulation import Recording
     from fotsmc_pin.types import Array
 
-COMPENSATED = ("gravity", "friction")
+COMPENSATED = ("gravity", "coriolis", "friction")
 """What a robot may add itself to the torque that it is commanded, and then is not in the log."""
 TORQUES = ("measured", "commanded")
 """Where the torque of a log comes from."""
@@ -33,7 +33,8 @@ class Log:
         v: measured velocity (T, nv) [rad/s, m/s]; None where there is none.
         tau: torque at the joints, measured or commanded (T, nv) [N·m, N].
         joint_names: names of the joints, in the order of the columns of `v` and `tau`.
-        compensates: what the robot adds itself and `tau` leaves out: any of "gravity", "friction".
+        compensates: what the robot adds itself and `tau` leaves out: any of "gravity", "coriolis",
+            "friction".
         source: what to call the log in messages, such as the name of its file.
         torque: "measured" by sensors or currents, or "commanded" by a controller.
         notes: what reading it found and did, in plain words: stamps, gaps, resampling.
@@ -119,9 +120,12 @@ class Log:
 
         Args:
             rec: the recording. Where it has `q_measured`, `v_measured` or `tau_measured` these are
-                taken; else the true motion of the motors, and the torque that was applied.
+                taken; else the true motion of the motors, and the torque that was applied. Of a run
+                on a robot whose drives add something that is the torque that was commanded,
+                without what they add, as its metadata say: what they believe is not known.
             source: what to call it.
         """
+        kind, tau, compensates = recorded_torque(rec)
 
         def measured(name: str, otherwise: Array) -> Array:
             found: Array | None = getattr(rec, f"{name}_measured", None)
@@ -131,8 +135,24 @@ class Log:
             t=rec.t,
             q=measured("q", rec.q_motor),
             v=measured("v", rec.v_motor),
-            tau=measured("tau", rec.tau),
+            tau=tau,
             joint_names=rec.arm.joint_names,
-            torque="commanded" if getattr(rec, "tau_measured", None) is None else "measured",
+            compensates=compensates,
+            torque=kind,
             source=source or f"run of {rec.metadata.get('controller', 'a controller')}",
         )
+
+
+def recorded_torque(rec: Recording) -> tuple[str, Array, tuple[str, ...]]:
+    """Return which torque a recording holds, its rows (T, nv), and what the robot adds to it.
+
+    Sensors feel weight and Coriolis torque whoever holds them, but not the friction that drives
+    make up for.
+    """
+    adds = tuple(rec.metadata.get("compensates", ()))
+    felt: Array | None = getattr(rec, "tau_measured", None)
+    hidden = tuple(word for word in adds if word == "friction")
+    if felt is not None:
+        return "measured", felt, hidden
+    sent = rec.signals.get("sent") if adds else None
+    return ("commanded", rec.tau, hidden) if sent is None else ("commanded", sent, adds)

@@ -13,7 +13,7 @@ from fotsmc_pin.errors import LogError
 from fotsmc_pin.identification.clock import steady
 from fotsmc_pin.identification.csv_log import read_csv
 from fotsmc_pin.identification.diagnosis import LogWarning
-from fotsmc_pin.identification.log import TORQUES, Log
+from fotsmc_pin.identification.log import TORQUES, Log, recorded_torque
 from fotsmc_pin.identification.log_table import LogTable
 from fotsmc_pin.identification.ros_log import read_ros
 from fotsmc_pin.references.path import unwrapped
@@ -44,8 +44,8 @@ def read_log(
     Joints are found by their names in the URDF, in any order; further joints, such as fingers, are
     left out. Four kinds of files are read, by their suffix:
 
-    - `.npz`: a recording of this library. Its torque is total; `tau_measured` is taken where there
-      is one, the torque that was applied ("commanded") otherwise.
+    - `.npz`: a recording of this library: `tau_measured` where there is one, the torque that was
+      applied ("commanded") otherwise; of a run on a robot what was sent, with what its drives add.
     - `.csv`: columns `t [s]`, `q.JOINT [rad]`, `v.JOINT [rad/s]` (may be left out) and
       `tau_measured.JOINT [N·m]`, or `tau_commanded`, or `tau`, which does not say what it is; `m`,
       `m/s` and `N` for joints that slide. Each must state its unit. A line
@@ -110,15 +110,14 @@ def of_recording(source: str, rec: Recording) -> LogTable:
 
     q = rec.q_motor if rec.q_measured is None else rec.q_measured
     v = rec.v_motor if rec.v_measured is None else rec.v_measured
-    measured = rec.tau_measured
-    kind, tau = ("commanded", rec.tau) if measured is None else ("measured", measured)
+    kind, tau, compensates = recorded_torque(rec)
     return LogTable(
         source=source,
         t=np.asarray(rec.t),
         q=by_joint(unwrapped(rec.arm, "q", q)),
         v=by_joint(v),
         tau={kind: by_joint(tau)},
-        compensates=tuple(rec.metadata.get("compensates", ())),
+        compensates=compensates,
     )
 
 

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from fotsmc_pin.arms import Arm
+    from fotsmc_pin.types import Array
 
 
 NAMES = {"logs": "log", "validate": "validation log"}
@@ -156,12 +157,25 @@ def _pieces(arm: Arm, log: Log, argument: str) -> ReadLog:
             f"{log.label}: the robot adds gravity itself; that of {arm.name} was added here, so an "
             "error of the robot's own model of gravity goes into the masses"
         )
+    if "coriolis" in log.compensates:
+        tau = tau + _coriolis_torque(arm, log, x)
+        notes.append(
+            f"{log.label}: the robot adds Coriolis torque itself; that of {arm.name} was added here"
+        )
     if "friction" in log.compensates:
         notes.append(
             f"{log.label}: the robot makes up for friction itself; what is identified is the rest"
         )
     pieces = tuple(smoothed(log.t[part], x[part], tau[part]) for part in stretches)
     return ReadLog(log=log, pieces=pieces, notes=tuple(notes))
+
+
+def _coriolis_torque(arm: Arm, log: Log, x: Array) -> Array:
+    """Return `C(q, v) v` of each row (T, nv), by the slope of `x` (T, nv) where `v` is missing."""
+    v = np.gradient(x, log.t, axis=0) if log.v is None else log.v
+    still = np.zeros(arm.nv)
+    moving = [arm.inverse_dynamics(q, speed, still) for q, speed in zip(log.q, v, strict=True)]
+    return np.asarray(np.array(moving) - np.array([arm.gravity(q) for q in log.q]))
 
 
 def _left_out(log: Log) -> str:

@@ -137,7 +137,7 @@ class ModelLearning(Described):
     def reset(self) -> None:
         """Forget what was learnt, and begin anew."""
         self.controller.reset()
-        self._ticks = 0
+        self._ticks, self._friction = 0, np.zeros(self.arm.nv)
         for name in MEMORY:
             getattr(self, name)[:] = 0.0
         self._beliefs[:] = self._first
@@ -164,11 +164,11 @@ class ModelLearning(Described):
         The torque is the wrapped controller's, with the model of the tick before; then the tick is
         learnt from. Of a measurement that is not usable nothing is learnt.
         """
-        law, terms, x = self.controller, self._terms, self._x
+        law, terms, x, limit = self.controller, self._terms, self._x, self.arm.effort_limit
         tau = law.update(q, v, q_d, v_d, a_d, dt)
         if not law.uses_model and self._feeds:
-            limit = law.joints.effort_limit
-            tau = np.clip(tau + terms.friction(law.joints), -limit, limit)
+            self._friction = terms.friction(law.joints)
+            tau = np.clip(tau + self._friction, -limit, limit)
         ticks = self._ticks
         phase = ticks % WINDOW
         if phase == 0:
@@ -185,6 +185,11 @@ class ModelLearning(Described):
         self._ticks = ticks + 1
         return tau
 
+    def note_applied(self, tau: Array, friction: Array) -> None:
+        """Learn from `tau` as what acts, friction included, in place of what `update` returned."""
+        self._sent[self.delay] = tau
+        self.controller.note_applied(tau, friction + self._friction)
+
     def estimates(self) -> Estimates:
         """Return what is known of the arm by now, as a table with standard deviations."""
         return Estimates.of(self.arm, self._layout, self._b)
@@ -198,8 +203,8 @@ class ModelLearning(Described):
 
     def save_state(self) -> dict[str, Array]:
         """Return everything that is remembered, the controller's memory included, as arrays."""
-        own = {name[1:]: getattr(self, name).copy() for name in MEMORY}
-        return own | with_prefix("controller", self.controller.save_state())
+        whole = with_prefix("controller", self.controller.save_state())
+        return {name[1:]: getattr(self, name).copy() for name in MEMORY} | whole
 
     def restore_state(self, arrays: Mapping[str, ArrayLike]) -> None:
         """Take over what `save_state` gave, and go on from there bit for bit.

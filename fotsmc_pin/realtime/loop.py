@@ -9,34 +9,23 @@ import gc
 import signal
 import time
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fotsmc_pin import checks
+from fotsmc_pin.realtime.clock import Clock
+from fotsmc_pin.realtime.robot import declared
+from fotsmc_pin.realtime.run import Run, RunRecorder
 from fotsmc_pin.realtime.timing import Timing, percentiles
 
 if TYPE_CHECKING:
+    import os
     from collections.abc import Callable, Iterator
 
     from fotsmc_pin.control import Safeguard
+    from fotsmc_pin.realtime.robot import Robot
     from fotsmc_pin.types import Array, Reference
-
-
-SPIN = 2e-4
-"""The wait for a tick ends in a busy wait, as a sleep may last this much too long [s]."""
-
-
-class Robot(Protocol):
-    """What the loop needs of a robot, real or simulated."""
-
-    def read(self) -> tuple[Array, Array]:
-        """Return the measured `q` (nq,) and `v` (nv,)."""
-        ...
-
-    def write(self, tau: Array) -> None:
-        """Command the torque (nv,) [N·m, N]."""
-        ...
 
 
 def run_realtime(
@@ -46,15 +35,19 @@ def run_realtime(
     duration: float,
     *,
     stop_time: float = 1.0,
+    record: str | os.PathLike[str] | None = None,
     observe: Callable[[float, Array, Array, Array], None] | None = None,
-) -> Timing:
+) -> Run:
     """Run a controller at its rate against a robot, in wall-clock time.
 
     Each tick is due at a multiple of `controller.dt` since the start, so that delays do not
-    add up; a tick that comes so late that others were due too replaces them. The controller is
-    told the measured period. Ctrl-C, and SIGTERM, begin the safe stop of the controller, which is
-    given `stop_time` before the loop ends; so does the end of the run, and so does any exception
-    during it, which is raised after the stop. The last torque is that of the safe stop.
+    add up; a tick that comes so late that others were due too replaces them. Where the robot paces
+    the loop, a tick begins when its `read` returns. The controller is told the measured period, and
+    what the robot's drives add, so that what is written is the rest.
+
+    Ctrl-C, and SIGTERM, begin the safe stop of the controller, which is given `stop_time` before
+    the loop ends; so does the end of the run, and so does any exception during it, which is raised
+    after the stop. The last torque is that of the safe stop.
 
     Args:
         controller: a controller in its `Safeguard`.
@@ -62,39 +55,50 @@ def run_realtime(
         reference: `t -> (q_d, v_d, a_d)`.
         duration: how long to follow the reference [s].
         stop_time: how long the safe stop is run at the end [s].
+        record: a file `.npz` for the recording, which is written as the run goes on:
+            `Recording.load` reads it also where the program died.
         observe: called with `t, q, v, tau` after each torque was written; it must be quick.
 
+    Returns:
+        The recording of the run, and its timing.
+
     Raises:
-        ArgumentError: a duration that is not above 0.
+        ArgumentError: a duration that is not above 0, or a robot that does not declare what its
+            drives add and who keeps the clock.
     """
+    controller.compensates, paced = declared(robot)
     dt = controller.dt
     checks.finite_number("duration", duration, at_least=dt)
     checks.finite_number("stop_time", stop_time, at_least=0.0)
     controller.reset()
-    size = int((duration + stop_time) / dt) + 2
+    clock = Clock(dt, paced=paced)
+    size = clock.most_ticks(duration + stop_time)
     latency, compute = np.zeros(size), np.zeros(size)
-    missed = ticks = 0
+    recorder = RunRecorder(controller, robot, reference, duration, size=size, path=record)
+    ticks = 0
     began_to_stop: float | None = None
     failure: BaseException | None = None
     with _signals_stop(controller), _no_garbage_collection():
-        start = last = time.perf_counter()
-        due = 0.0
+        clock.start()
         while ticks < size:
-            now = _wait_until(start + due)
-            t = now - start
+            t = clock.await_tick(keeps_time=failure is not None)
             if began_to_stop is None and (controller.stopped is not None or t >= duration):
                 controller.stop("the end of the run")
                 began_to_stop = t
             if began_to_stop is not None and t >= began_to_stop + stop_time:
                 break
+            if clock.is_too_fast(ticks):
+                controller.stop(f"the robot ticks faster than the controller's dt of {dt:g} s")
             try:
                 q, v = robot.read()
+                t = clock.note_read()
                 target = reference(min(t, duration))
                 before = time.perf_counter()
-                tau = controller.update(q, v, *target, dt=now - last if ticks else None)
+                tau = controller.update(q, v, *target, dt=clock.period if ticks else None)
                 compute[ticks] = time.perf_counter() - before
-                robot.write(tau)
-                latency[ticks] = time.perf_counter() - start - due
+                robot.write(controller.sent)
+                latency[ticks] = clock.latency()
+                recorder.write_row(t, clock.period, q, v, target, tau)
                 if observe is not None:
                     observe(t, q, v, tau)
             except Exception as error:
@@ -102,31 +106,20 @@ def run_realtime(
                     raise
                 failure = error
                 controller.stop(f"{type(error).__name__}: {error}")
-            last = now
             ticks += 1
-            skipped = int((time.perf_counter() - start - due) / dt)
-            missed += skipped > 0
-            due += dt * (skipped + 1)
-    if failure is not None:
-        raise failure
-    return Timing(
+            clock.end_tick()
+    timing = Timing(
         ticks=ticks,
-        missed=missed,
+        missed=clock.missed,
         latency=percentiles(latency[:ticks]),
         compute=percentiles(compute[:ticks]),
-        period=(last - start) / max(ticks - 1, 1),
+        period=clock.now / max(ticks - 1, 1),
         stopped=controller.stopped,
     )
-
-
-def _wait_until(moment: float) -> float:
-    """Sleep, then wait busily, until `moment` of the performance counter; return the time."""
-    while True:
-        now = time.perf_counter()
-        if now >= moment:
-            return now
-        if moment - now > SPIN:
-            time.sleep(moment - now - SPIN)
+    recording = recorder.recording(timing)
+    if failure is not None:
+        raise failure
+    return Run(recording=recording, timing=timing)
 
 
 @contextmanager

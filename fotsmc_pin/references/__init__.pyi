@@ -6,6 +6,7 @@ from .limits import (
     broken_limits as broken_limits,
     warn_of_limits as warn_of_limits,
 )
+from .live_target import LiveTarget as LiveTarget
 from .minimum_jerk import MinimumJerk as MinimumJerk
 from .path import JointPath as JointPath
 from .quintic import Quintic as Quintic

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.interpolate import PPoly
 
 from fotsmc_pin.arms import demand_arm
+from fotsmc_pin.compiled import kernel, specialized
 from fotsmc_pin.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -45,31 +46,31 @@ class JointPath:
 
     def __call__(self, t: float) -> tuple[Array, Array, Array]:
         """Return `q_d` (nq,), `v_d` (nv,) and `a_d` (nv,) at time `t` [s], all fresh arrays."""
-        motion = self._motion(min(max(t, 0.0), self.duration))
-        if not 0.0 <= t <= self.duration:
-            motion[1:] = 0.0
-        return self._configuration(motion[0]), motion[1], motion[2]
+        breaks, coefficients, plain = self._pieces
+        motion = np.empty((3, coefficients.shape[2]))
+        piece_code()(t, breaks, coefficients, motion)
+        if plain:
+            return motion[0], motion[1], motion[2]
+        return self.arm.from_joint_positions(motion[0]), motion[1], motion[2]
 
     def at(self, t: Array) -> tuple[Array, Array, Array]:
         """Return `q_d` (N, nq), `v_d` and `a_d` (N, nv) at the times `t` (N,) [s]."""
-        motion = self._motion(np.clip(t, 0.0, self.duration))
-        motion[(t < 0.0) | (t > self.duration), 1:] = 0.0
-        x, v_d, a_d = (motion[:, order] for order in range(3))
-        if self.arm.is_euclidean:
+        breaks, coefficients, plain = self._pieces
+        motion = np.empty((len(t), 3, coefficients.shape[2]))
+        along_many(np.asarray(t, dtype=np.float64), breaks, coefficients, motion)
+        x, v_d, a_d = (np.ascontiguousarray(motion[:, order]) for order in range(3))
+        if plain:
             return x, v_d, a_d
-        return np.array([self._configuration(row) for row in x]), v_d, a_d
-
-    def _configuration(self, x: Array) -> Array:
-        return x if self.arm.is_euclidean else self.arm.from_joint_positions(x)
+        return np.array([self.arm.from_joint_positions(row) for row in x]), v_d, a_d
 
     @cached_property
-    def _motion(self) -> PPoly:
-        """Position, velocity and acceleration as one polynomial with values (3, nv): one call."""
-        position = PPoly(self.coefficients, self.breaks)
-        motion = np.zeros((*self.coefficients.shape[:2], 3, self.arm.nv))
-        for order in range(3):
-            motion[order:, :, order] = position.derivative(order).c
-        return PPoly(motion, self.breaks)
+    def _pieces(self) -> tuple[Array, Array, bool]:
+        """Break points and coefficients as the kernels want them; whether `q` is a plain vector."""
+        return (
+            np.array(self.breaks, dtype=np.float64),
+            np.array(self.coefficients, dtype=np.float64, order="C"),
+            self.arm.is_euclidean,
+        )
 
     def extremes(self, order: int) -> tuple[Array, Array]:
         """Return the least and greatest value of each joint's position or a derivative of it.
@@ -140,3 +141,41 @@ def unwrapped(arm: Arm, argument: str, configurations: ArrayLike) -> Array:
         )
     steps = [arm.difference(one, two) for one, two in pairwise(rows)]
     return np.cumsum([arm.to_joint_positions(rows[0]), *steps], axis=0)
+
+
+@cache
+def piece_code() -> Any:
+    """Return the machine code of `along`, which skips the look-up of types at each call."""
+    return specialized(along, 0.0, np.zeros(2), np.zeros((1, 1, 1)), np.zeros((3, 1)))
+
+
+@kernel
+def along(t: float, breaks: Array, coefficients: Array, motion: Array) -> None:
+    """Write position, velocity and acceleration at time `t` into `motion` (3, nv)."""
+    last = breaks.size - 2
+    inside = breaks[0] <= t <= breaks[last + 1]
+    t = min(max(t, breaks[0]), breaks[last + 1])
+    low, high = 0, last
+    while low < high:
+        middle = (low + high + 1) // 2
+        if t >= breaks[middle]:
+            low = middle
+        else:
+            high = middle - 1
+    s = t - breaks[low]
+    for j in range(motion.shape[1]):
+        x = v = half_a = 0.0
+        for power in range(coefficients.shape[0]):
+            half_a = half_a * s + v
+            v = v * s + x
+            x = x * s + coefficients[power, low, j]
+        motion[0, j] = x
+        motion[1, j] = v if inside else 0.0
+        motion[2, j] = 2.0 * half_a if inside else 0.0
+
+
+@kernel
+def along_many(t: Array, breaks: Array, coefficients: Array, motion: Array) -> None:
+    """Write what `along` does at the times `t` (N,) into `motion` (N, 3, nv)."""
+    for k in range(t.size):
+        along(t[k], breaks, coefficients, motion[k])

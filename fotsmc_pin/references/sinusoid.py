@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from functools import cache
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fotsmc_pin.arms import demand_arm
 from fotsmc_pin.checks import finite_number, finite_vector
-from fotsmc_pin.compiled import kernel
+from fotsmc_pin.compiled import kernel, specialized
 from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.references.limits import broken_limits
 
@@ -45,7 +46,7 @@ class Sinusoid:
     amplitude: Array
     period: Array
     ramp: float = 2.0
-    _omega: Array = field(init=False, repr=False)
+    _table: Array = field(init=False, repr=False)
     _plain: bool = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -59,21 +60,29 @@ class Sinusoid:
             finite_number("period", value, above=0.0)
         object.__setattr__(self, "period", period)
         object.__setattr__(self, "ramp", finite_number("ramp", self.ramp, at_least=0.0))
-        object.__setattr__(self, "_omega", 2.0 * np.pi / period)
-        object.__setattr__(self, "_plain", self.arm.is_euclidean)
+        plain = self.arm.is_euclidean
+        middle = self.center if plain else np.zeros(nv)
+        table = np.array([middle, self.amplitude, 2.0 * np.pi / period])
+        object.__setattr__(self, "_table", table)
+        object.__setattr__(self, "_plain", plain)
+        swing_code()  # Compiled now, so that the first call takes no longer than the others.
 
     def __call__(self, t: float) -> tuple[Array, Array, Array]:
         """Return `q_d` (nq,), `v_d` (nv,) and `a_d` (nv,) at time `t` [s], all fresh arrays."""
-        q_d, v_d, a_d = self.at(np.array([t], dtype=np.float64))
-        return q_d[0], v_d[0], a_d[0]
+        table = self._table
+        motion = np.empty(table.shape)
+        swing_code()(t, self.ramp, table, motion)
+        if self._plain:
+            return motion[0], motion[1], motion[2]
+        return self.arm.integrate(self.center, motion[0]), motion[1], motion[2]
 
     def at(self, t: Array) -> tuple[Array, Array, Array]:
         """Return `q_d` (N, nq), `v_d` and `a_d` (N, nv) at the times `t` (N,) [s]."""
-        motion = np.empty((3, len(t), self.amplitude.size))
-        swing(t, self.ramp, self.amplitude, self._omega, motion)
-        x, v_d, a_d = motion[0], motion[1], motion[2]
+        motion = np.empty((len(t), *self._table.shape))
+        swing_many(np.asarray(t, dtype=np.float64), self.ramp, self._table, motion)
+        x, v_d, a_d = (np.ascontiguousarray(motion[:, order]) for order in range(3))
         if self._plain:
-            return self.center + x, v_d, a_d
+            return x, v_d, a_d
         return np.array([self.arm.integrate(self.center, row) for row in x]), v_d, a_d
 
     @classmethod
@@ -166,17 +175,32 @@ def _easy_center(arm: Arm, amplitude: float, fraction: float) -> Array:
     return min((first, *others), key=load)
 
 
+@cache
+def swing_code() -> Any:
+    """Return the machine code of `swing`, which skips the look-up of types at each call."""
+    return specialized(swing, 0.0, 0.0, np.zeros((3, 1)), np.zeros((3, 1)))
+
+
 @kernel
-def swing(t: Array, ramp: float, amplitude: Array, omega: Array, motion: Array) -> None:
-    """Write displacement, velocity and acceleration, each (N, nv), into `motion`."""
+def swing(t: float, ramp: float, table: Array, motion: Array) -> None:
+    """Write position, velocity and acceleration at time `t` into `motion` (3, nv).
+
+    The rows of `table` (3, nv) are centre, amplitude and frequency [rad/s].
+    """
+    f, fd, fdd = fade_in(t, ramp)
+    for j in range(table.shape[1]):
+        amplitude, w = table[1, j], table[2, j]
+        sine, cosine = math.sin(w * t), math.cos(w * t)
+        motion[0, j] = table[0, j] + amplitude * f * sine
+        motion[1, j] = amplitude * (fd * sine + f * w * cosine)
+        motion[2, j] = amplitude * (fdd * sine + 2.0 * fd * w * cosine - f * w**2 * sine)
+
+
+@kernel
+def swing_many(t: Array, ramp: float, table: Array, motion: Array) -> None:
+    """Write what `swing` does at the times `t` (N,) into `motion` (N, 3, nv)."""
     for k in range(t.size):
-        f, fd, fdd = fade_in(t[k], ramp)
-        for j in range(amplitude.size):
-            w = omega[j]
-            sine, cosine = math.sin(w * t[k]), math.cos(w * t[k])
-            motion[0, k, j] = amplitude[j] * f * sine
-            motion[1, k, j] = amplitude[j] * (fd * sine + f * w * cosine)
-            motion[2, k, j] = amplitude[j] * (fdd * sine + 2.0 * fd * w * cosine - f * w**2 * sine)
+        swing(t[k], ramp, table, motion[k])
 
 
 @kernel

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from fotsmc_pin.types import Array
 
 PARTS_OF_AN_ARM = (
-    *("_model", "_data", "_acceleration", "_wrenches"),
+    *("_model", "_data", "_acceleration", "_wrenches", "_is_pushed"),
     *("_advance", "_links", "_of_links", "_glide"),
 )
 """What a plant reads of its arm beside the constants in its workspace."""

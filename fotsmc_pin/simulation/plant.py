@@ -12,6 +12,7 @@ from fotsmc_pin import checks
 from fotsmc_pin.compiled import specialized
 from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.simulation import stages
+from fotsmc_pin.simulation.end_stops import EndStops
 from fotsmc_pin.simulation.implicit_joints import ImplicitJoints
 from fotsmc_pin.simulation.stages import (
     DAMPING,
@@ -80,6 +81,7 @@ class Plant:
         integrator: str | None = None,
         disturbance: Disturbance | None = None,
         wrenches: Sequence[Wrench] = (),
+        end_stops: bool = False,
     ) -> None:
         """Put the arm at `q0`, `v0` at time 0.
 
@@ -95,6 +97,7 @@ class Plant:
                 knows, or damping too strong for explicit steps.
             disturbance: `t -> (nv,)`, torque added at the joints [N·m, N].
             wrenches: forces and torques at frames of the arm.
+            end_stops: whether springs and dampers hold the joints within their ranges.
 
         Raises:
             ArgumentError: naming the argument, its value and the remedy.
@@ -110,6 +113,8 @@ class Plant:
         self._advance = Plant._rk4 if rk4 else Plant._semi_implicit
         self._acceleration: Array = self._data.ddq
         self._wrenches = WrenchesOnArm(arm, wrenches) if wrenches else None
+        self._stops = EndStops(arm, lightest, h) if end_stops else None
+        self._is_pushed = bool(wrenches) or end_stops
         self._disturbance = disturbance
         self._euclidean = arm.is_euclidean
         self._work = work = np.zeros((ROWS + arm.nv, arm.nv))
@@ -184,10 +189,12 @@ class Plant:
 
     @property
     def live_signals(self) -> dict[str, Array]:
-        """What a recording keeps of elastic joints, the plant's own memory."""
-        if self.joints is None or not self.is_elastic:
-            return {}
-        return {"deflection": self.joints.deflection, "motor_speed": self.joints.motor_speed}
+        """What a recording keeps of end stops and elastic joints, the plant's own memory."""
+        shown = {} if self._stops is None else {"end_stop": self._stops.push}
+        if self.joints is not None and self.is_elastic:
+            shown["deflection"] = self.joints.deflection
+            shown["motor_speed"] = self.joints.motor_speed
+        return shown
 
     def stage_times(self, t: float, dt: float) -> list[float]:
         """Return when the disturbance is asked in a tick that starts at `t` [s]."""
@@ -197,9 +204,9 @@ class Plant:
     def _rk4(self, t: float, h: float) -> int:
         model, data, load, disturbance = self._model, self._data, self._load, self._disturbance
         stage, acceleration, work = self._rk4_stage, self._acceleration, self._work
-        wrenches = self._wrenches
-        if wrenches is not None:
-            wrenches.add_to(load, t, self.q)
+        is_pushed = self._is_pushed
+        if is_pushed:
+            self._push(load, t, self.q, self.v)
         pin.aba(model, data, self.q, self.v, load)
         if disturbance is not None:
             work[DISTURBANCE] = disturbance(t + 0.5 * h)
@@ -209,16 +216,17 @@ class Plant:
             stage(k, h, acceleration, work)
             if not self._euclidean:
                 self._q_stage[:] = pin.integrate(model, self.q, self._step)
-            if wrenches is not None:
-                wrenches.add_to(load, t + (h if k == 2 else 0.5 * h), self._q_stage)
+            if is_pushed:
+                moment = t + (h if k == 2 else 0.5 * h)
+                self._push(load, moment, self._q_stage, self._v_stage)
             pin.aba(model, data, self._q_stage, self._v_stage, load)
         lost = self._rk4_finish(h, acceleration, work)
         self._move_continuous_joints()
         return lost
 
     def _semi_implicit(self, t: float, h: float) -> int:
-        if self._wrenches is not None:
-            self._wrenches.add_to(self._load, t, self.q)
+        if self._is_pushed:
+            self._push(self._load, t, self.q, self.v)
         pin.aba(self._model, self._data, self.q, self.v, self._load)
         if self._disturbance is not None:
             self._work[DISTURBANCE] = self._disturbance(t + h)
@@ -228,18 +236,24 @@ class Plant:
         return lost
 
     def _with_friction(self, t: float, h: float) -> int:
-        wrenches = self._wrenches
-        if wrenches is not None:
-            wrenches.add_to(self._work[DISTURBANCE], t, self.q)
+        if self._is_pushed:
+            self._push(self._work[DISTURBANCE], t, self.q, self.v)
         pin.crba(self._links, self._of_links, self.q, LOCAL)
         pin.nonLinearEffects(self._links, self._of_links, self.q, self.v)
         lost = self._glide(h, *self._parts)
         if self._disturbance is not None:
             self._work[DISTURBANCE] = self._disturbance(t + h)
-        elif wrenches is not None:
+        elif self._is_pushed:
             self._work[DISTURBANCE] = 0.0
         self._move_continuous_joints()
         return lost
+
+    def _push(self, load: Array, t: float, q: Array, v: Array) -> None:
+        """Add to `load` (nv,) what wrenches and end stops do."""
+        if self._wrenches is not None:
+            self._wrenches.add_to(load, t, q)
+        if self._stops is not None:
+            self._stops.add_to(load, q, v)
 
     def _move_continuous_joints(self) -> None:
         """Move a configuration that is not a plain vector by the workspace's tangent step."""

@@ -49,7 +49,7 @@ class Recorder:
         self._q_d, self._v_d = np.zeros((size, arm.nq)), np.zeros((size, arm.nv))
         shown = getattr(controller, "signals", {})
         own = getattr(controller, "live_signals", {})
-        self._live_signals = live = {**own, **plant.live_signals}
+        self._own_signals, live = own, {**own, **plant.live_signals}
         self._names = tuple(name for name in shown if is_flat(live.get(name)))
         self._names = tuple(dict.fromkeys((*self._names, *plant.live_signals)))
         self._asked = {
@@ -78,7 +78,7 @@ class Recorder:
         for rows, reading in zip(self._readings.values(), readings, strict=True):
             rows[k] = reading
         if self._asked:
-            signals = self._live_signals or self._controller.signals  # type: ignore[attr-defined]
+            signals = self._own_signals or self._controller.signals  # type: ignore[attr-defined]
             for name, rows in self._asked.items():
                 rows[k] = signals[name]
         self._filled = k + 1

@@ -16,6 +16,7 @@ from fotsmc_pin.notebook import page_of
 from fotsmc_pin.progress import reporting
 from fotsmc_pin.simulation import recording_file
 from fotsmc_pin.simulation.events import PlantChange
+from fotsmc_pin.simulation.journal import MAGIC, is_journal
 from fotsmc_pin.simulation.wrench import Wrench
 
 if TYPE_CHECKING:
@@ -142,12 +143,18 @@ class Recording:
     def load(cls, path: str | os.PathLike[str]) -> Recording:
         """Read a recording that `save` wrote; the arm is rebuilt from what the file holds.
 
+        A file that `run_realtime` was writing when the program died is read as far as it goes.
+
         Raises:
             RecordingError: the file is not a recording, or is damaged.
             FileNotFoundError: no such file.
         """
         with Path(path).open("rb") as stream:
             try:
+                if is_journal(stream.peek(len(MAGIC))):
+                    from fotsmc_pin.simulation.measured_run import unfinished_run
+
+                    return unfinished_run(stream)
                 found = recording_file.read(path, stream, ARRAYS, READINGS)
                 header = found.pop("header")
                 return cls(

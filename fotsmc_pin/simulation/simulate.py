@@ -73,6 +73,7 @@ def simulate(
     substeps: int = 1,
     integrator: str | None = None,
     encoder: str = "motor",
+    end_stops: bool = False,
     record_every: int = 1,
     jitter: float = 0.0,
     seed: int = 0,
@@ -90,8 +91,8 @@ def simulate(
             recorded, and the metadata take its name from its `label`, and from its `about` what
             else it says of itself.
         reference: `t -> (q_d, v_d, a_d)`, shapes (nq,), (nv,), (nv,); a function of time alone,
-            which is evaluated for some ticks ahead. Where it has a method `at` that takes many
-            times (N,) and returns (N, nq), (N, nv), (N, nv), that is called instead.
+            which is evaluated for some ticks ahead, unless it `is_live`. Where it has a method `at`
+            that takes many times (N,) and returns (N, nq), (N, nv), (N, nv), that is called.
         duration: simulated time [s].
         q0: configuration at the start (nq,); the reference's by default.
         v0: velocity at the start (nv,); the reference's by default.
@@ -113,6 +114,8 @@ def simulate(
             or damping too strong for explicit steps.
         encoder: side of an elastic joint's spring on which position and speed are measured, "motor"
             or "link"; `sensor` is given what the encoders see. On a rigid joint they are the same.
+        end_stops: True gives each joint a stiff, damped stop at both ends of its range; the signal
+            "end_stop" is the torque of the stops. Without, joints turn on beyond their ranges.
         record_every: ticks from one recorded row to the next.
         jitter: share of a period by which a tick may come early or late, below 0.5; above 0 the
             controller is told the measured period, as `update(..., dt=...)`.
@@ -151,6 +154,7 @@ def simulate(
         integrator=integrator,
         disturbance=push,
         wrenches=wrenches,
+        end_stops=end_stops,
     )
     for part in (controller, sensor, actuator):
         reset = getattr(part, "reset", None)
@@ -181,14 +185,15 @@ def simulate(
         if plant.is_elastic:
             options["encoder"] = encoder
         took = time.perf_counter() - started
-        told = _metadata(controller, reference, options, took)
+        told = run_metadata(controller, reference, options, took)
         return recorder.recording(told, events=changes, wrenches=wrenches)
 
     title = f"{_label(controller)}, {arm.name}"
     with reporting(progress, title) as report, kept_on_interrupt(recording):
-        for first in range(0, ticks, CHUNK):
+        ahead = 1 if getattr(reference, "is_live", False) else CHUNK
+        for first in range(0, ticks, ahead):
             report(first / ticks)
-            instants = clock[first : min(first + CHUNK, ticks)]
+            instants = clock[first : min(first + ahead, ticks)]
             wanted = reference_values(reference, instants, arm)
             recorder.write_reference(first, *wanted[:2])
             rows = zip(instants.tolist(), *wanted, strict=True)
@@ -263,9 +268,10 @@ def _label(controller: Law) -> str:
     return str(getattr(controller, "label", type(controller).__name__))
 
 
-def _metadata(
+def run_metadata(
     controller: Law, reference: Reference, options: dict[str, Any], took: float
 ) -> dict[str, Any]:
+    """Return how a run is made, in plain data: law, gains, period, versions."""
     gains: Any = getattr(controller, "gains", None)
     return {
         "controller": _label(controller),

@@ -53,6 +53,13 @@ def test_the_two_link_example_judges_the_papers_law(tmp_path, capsys):
     assert (tmp_path / PAGES["two_link"]).is_file()
 
 
+def test_live_targets_are_followed_until_they_are_stale(capsys):
+    main_of("live_targets")("two_link", duration=1.6)
+    shown = capsys.readouterr().out
+    assert "targets were stale: True" in shown
+    assert "stopped: the end of the run" in shown
+
+
 def test_any_urdf_can_be_brought(tmp_path):
     arm = fp.perturb(fp.load_arm("two_link"), mass_scale=1.1).write_urdf(tmp_path / "mine.urdf")
     rec = main_of("own_urdf")(tmp_path / "made", urdf=arm)

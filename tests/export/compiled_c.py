@@ -11,9 +11,10 @@ import pinocchio as pin
 import fotsmc_pin as fp
 from fotsmc_pin.control.arguments import LARGEST
 
-STRICT = ("-std=c99", "-O2", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
-UNDEFINED = ("-fsanitize=undefined", "-fno-sanitize-recover=all")
-"""What C does not define ends the process."""
+WARNINGS = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
+STRICT = (*WARNINGS, "-O2")
+UNDEFINED = (*WARNINGS, "-O0", "-fsanitize=undefined", "-fno-sanitize-recover=all")
+"""What C does not define ends the process; not optimised, which takes four times as long."""
 EXACT = "-ffp-contract=off"
 """Products and sums are rounded one by one, so that numbers can be compared to the last bits."""
 
@@ -22,12 +23,15 @@ SHIM = """
 #include "{prefix}.h"
 
 size_t shim_size(void);
+const {real} *shim_sent(const {prefix}_state *state);
 void shim_replay(
     {prefix}_state *state, int ticks, const {real} *q, const {real} *v, const {real} *q_d,
     const {real} *v_d, const {real} *a_d, const {real} *M, const {real} *h, {g_type}
     const {real} *dt, {real} *tau, int *status);
 
 size_t shim_size(void) {{ return sizeof({prefix}_state); }}
+
+const {real} *shim_sent(const {prefix}_state *state) {{ return state->{sent}; }}
 
 void shim_replay(
     {prefix}_state *state, int ticks, const {real} *q, const {real} *v, const {real} *q_d,
@@ -123,9 +127,7 @@ class Logged:
 class CompiledC:
     """An exported controller, compiled into a shared library."""
 
-    def __init__(
-        self, controller, folder, *, single=False, flags=(*STRICT, *UNDEFINED), compiler="gcc"
-    ):
+    def __init__(self, controller, folder, *, single=False, flags=UNDEFINED, compiler="gcc"):
         self.arm = controller.arm
         self.header, self.source = fp.export_c(controller, folder, single=single)
         self.prefix = self.header.stem
@@ -134,6 +136,7 @@ class CompiledC:
         real = "float" if single else "double"
         words = {"prefix": self.prefix, "real": real, "g_type": f"const {real} *g,"}
         guarded = isinstance(controller, fp.Safeguard)
+        words["sent"] = "sent" if guarded else "joints.tau"
         words["g"] = f"g + {self.arm.nv} * k," if guarded else ""
         shim.write_text(SHIM.format(n=self.arm.nv, nq=self.arm.nq, **words), encoding="utf-8")
         library = Path(folder) / f"{self.prefix}.so"
@@ -149,6 +152,12 @@ class CompiledC:
 
     def reset(self):
         getattr(self.code, f"{self.prefix}_reset")(self.state)
+
+    @property
+    def sent(self):
+        """What the last tick of a guarded law commands."""
+        self.code.shim_sent.restype = ctypes.POINTER(np.ctypeslib.as_ctypes_type(self.real))
+        return np.array(self.code.shim_sent(self.state)[: self.arm.nv])
 
     def replay(self, inputs):
         """Return the torques and the status codes of all ticks."""

@@ -59,7 +59,9 @@ def compiled(tmp_path_factory):
 
     def compiled(controller, **options):
         bare = getattr(controller, "controller", controller)
-        limits = () if bare is controller else (controller._lead.duration, controller.stop_ramp)
+        limits = ()
+        if bare is not controller:
+            limits = (controller._lead.duration, controller.stop_ramp, controller.compensates)
         key = (repr(bare), type(controller), *limits, *options.items())
         if key not in made:
             made[key] = CompiledC(controller, tmp_path_factory.mktemp("c"), **options)

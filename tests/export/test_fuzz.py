@@ -45,7 +45,7 @@ fuzz = settings(
 )
 
 
-@pytest.mark.parametrize("single", [False, pytest.param(True, marks=pytest.mark.long)])
+@pytest.mark.parametrize("single", [False, True])
 @pytest.mark.parametrize("name", LAWS)
 def test_a_law(name, single, compiled):
     law, arm = CONTROLLERS[name], arm_named("two_link")
@@ -79,7 +79,7 @@ def test_a_law(name, single, compiled):
     runs()
 
 
-@pytest.mark.parametrize("single", [False, pytest.param(True, marks=pytest.mark.long)])
+@pytest.mark.parametrize("single", [False, True])
 @pytest.mark.parametrize("name", LAWS)
 def test_any_model(name, single, compiled):
     law, arm = CONTROLLERS[name], arm_named("two_link")

@@ -5,9 +5,10 @@ import pytest
 
 import fotsmc_pin as fp
 from fotsmc_pin.control import FrictionCompensation
+from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.references import Sinusoid
 
-from .compiled_c import Logged
+from .compiled_c import Inputs, Logged
 from .conftest import DT, arm_named, worst
 
 EXACT = 1e-12
@@ -21,7 +22,7 @@ def guarded(name, **options):
     return fp.Safeguard(fp.RobustFONFTSM(arm, DT), friction_compensation=ahead, **options)
 
 
-def run(guard, ticks=200, spoil=lambda k, row: row):
+def run(guard, ticks=160, spoil=lambda k, row: row):
     """Drive a safeguard near a reference; `spoil` changes single ticks."""
     arm = guard.arm
     reference, log = Sinusoid.inside_limits(arm, ramp=0.1), Logged(guard)
@@ -43,6 +44,10 @@ def changed(tick, place, value):
     return spoil
 
 
+def part(inputs, ticks):
+    return Inputs(*(getattr(inputs, name)[ticks] for name in Inputs.__dataclass_fields__))
+
+
 def broken(x):
     return np.full_like(x, np.nan)
 
@@ -59,8 +64,10 @@ STOPS = {
 }
 
 
-@pytest.mark.parametrize("name", [pytest.param("kinova", marks=pytest.mark.long), "two_link"])
-@pytest.mark.parametrize("why", STOPS)
+@pytest.mark.parametrize(
+    ("why", "name"),
+    [("none", "kinova"), ("blind", "kinova"), *((why, "two_link") for why in STOPS)],
+)
 def test_it_stops_as_pythons_does(why, name, compiled):
     spoil, code = STOPS[why]
     guard = guarded(name)
@@ -92,6 +99,54 @@ def test_a_stop_can_be_asked_for_and_a_reset_ends_it(compiled):
     again, status = c.replay(inputs)
     assert not status.any()
     assert again.tobytes() == first.tobytes()
+
+
+@pytest.mark.parametrize(
+    "words", [("gravity",), ("coriolis",), ("gravity", "coriolis", "friction")]
+)
+def test_what_the_drives_add_is_taken_away_as_in_python(words, compiled):
+    guard, again = guarded("two_link"), guarded("two_link")
+    guard.compensates = again.compensates = words
+    sent = []
+
+    def spoil(k, row):
+        sent.append(guard.sent)
+        return changed(80, 1, broken)(k, row)
+
+    inputs = run(guard, ticks=100, spoil=spoil)
+    c = compiled(again)
+    for k in range(99):
+        tau, _ = c.replay(part(inputs, slice(k, k + 1)))
+        np.testing.assert_allclose(tau[0], inputs.tau[k], rtol=EXACT, atol=1e-10)
+        np.testing.assert_allclose(c.sent, sent[k + 1], rtol=EXACT, atol=1e-10)
+    assert np.abs(inputs.tau[:99] - sent[1:]).max() > 0.0
+
+
+def test_a_law_that_loses_the_path_is_relieved_as_in_python(compiled):
+    """The arm moves on while the path comes to rest."""
+    guard, last = guarded("two_link"), {}
+
+    def spoil(k, row):
+        if k == 100:
+            guard.stop()
+        if k >= 100:
+            row[0] = last.setdefault("q", row[0]) + 1.5e-3 * (k - 100)
+        return row
+
+    inputs = run(guard, ticks=300, spoil=spoil)
+    assert not guard._stop.by_law
+    c = compiled(guarded("two_link"))
+    c.replay(part(inputs, slice(100)))
+    c.code.fotsmc_two_link_stop(c.state)
+    tau, status = c.replay(part(inputs, slice(100, None)))
+    assert set(status) == {STOPPED}
+    assert worst(tau, part(inputs, slice(100, None))) < EXACT
+
+
+def test_limits_stay_in_python(tmp_path):
+    guard = guarded("two_link", limits=fp.Limits(arm_named("two_link")))
+    with pytest.raises(ArgumentError, match="quadratic program"):
+        fp.export_c(guard, tmp_path)
 
 
 def test_in_single_precision(compiled):

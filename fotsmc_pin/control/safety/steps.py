@@ -1,7 +1,8 @@
-"""The arithmetic of the safeguard, as kernels: soft start, safe stop, limits."""
+"""The arithmetic of the safeguard, as kernels: soft start, limits, what is kept."""
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from fotsmc_pin.compiled import kernel
@@ -10,8 +11,8 @@ from fotsmc_pin.control.functions import clip
 if TYPE_CHECKING:
     from fotsmc_pin.types import Array
 
-SETTLING = 10.0
-"""Damping of the safe stop over the joint's inertia: speed dies in a tenth of a second [1/s]."""
+RECENT = 100.0
+"""Rate at which the torque is averaged that a stop begins with [1/s]."""
 
 
 @kernel
@@ -50,43 +51,60 @@ def too_fast(v: Array, fastest: Array) -> bool:
 
 
 @kernel
-def stopping(
-    share: float,
-    before_stop: Array,
-    weight: Array,
-    inertia: Array,
-    v: Array,
-    fastest: Array,
-    tau: Array,
-) -> None:
-    """Write a torque of the safe stop into `tau` (nv,), on the way to compensation and damping.
+def slowed(v: Array, fastest: Array) -> None:
+    """Keep the speeds `v` (nv,) within what they may be."""
+    for i in range(v.size):
+        v[i] = clip(v[i], fastest[i])
 
-        τ = (1 - ρ) τ_last + ρ (G0 - 10/s diag(M0) v)
+
+@kernel
+def is_kept(e: Array, e_dot: Array, fastest: Array, way: float, share: float) -> bool:
+    """Whether errors of position and speed (nv,) are within `way` and a share of `fastest`.
+
+    A joint whose speed has no limit counts as one of 1 rad/s or m/s.
+    """
+    for i in range(e.size):
+        quick = fastest[i] if math.isfinite(fastest[i]) else 1.0
+        if not (abs(e[i]) <= way and abs(e_dot[i]) <= share * quick):
+            return False
+    return True
+
+
+@kernel
+def finite_or_last(tau: Array, last: Array) -> None:
+    """Put the last torque in place of one that is no number."""
+    for i in range(tau.size):
+        if not math.isfinite(tau[i]):
+            tau[i] = last[i]
+
+
+@kernel
+def within_limits(
+    tau: Array, last: Array, sent: Array, added: Array, rate: Array, limit: Array, dt: float
+) -> None:
+    """Keep a torque within all limits, which hold for the total and for what is commanded.
 
     Args:
-        share: `ρ`, how much of the way is done.
-        before_stop: the last torque before the stop (nv,).
-        weight: `G0` (nv,).
-        inertia: diagonal of `M0` (nv,).
-        v: velocity (nv,); faster ones than `fastest` count as that.
-        fastest: largest speed (nv,).
-        tau: overwritten (nv,).
+        tau: the total torque (nv,), overwritten.
+        last: the last tick's (nv,).
+        sent: what the last tick commanded (nv,).
+        added: what the drives add to it now (nv,).
+        rate: largest rate of either (nv,); inf for none.
+        limit: limit of either (nv,).
+        dt: time since the last tick [s].
     """
     for i in range(tau.size):
-        rest = weight[i] - SETTLING * inertia[i] * clip(v[i], fastest[i])
-        tau[i] = (1.0 - share) * before_stop[i] + share * rest
-
-
-@kernel
-def within_rate(tau: Array, last: Array, rate: Array, dt: float) -> None:
-    """Keep the torque `tau` (nv,) as near to the last one as its rate allows; inf allows all."""
-    for i in range(tau.size):
         step = rate[i] * dt
-        tau[i] = min(max(tau[i], last[i] - step), last[i] + step)
+        total = min(max(tau[i], last[i] - step), last[i] + step)
+        commanded = sent[i] + added[i]
+        total = min(max(total, commanded - step), commanded + step)
+        total = min(max(total, added[i] - limit[i]), added[i] + limit[i])
+        tau[i] = clip(total, limit[i])
 
 
 @kernel
-def within_limits(tau: Array, limit: Array) -> None:
-    """Keep the torque `tau` (nv,) within its limits."""
+def averaged(recent: Array, tau: Array, dt: float) -> None:
+    """Take the torque `tau` (nv,) into the average of the last ones, `recent` (nv,)."""
+    weight = min(RECENT * dt, 1.0)
     for i in range(tau.size):
-        tau[i] = clip(tau[i], limit[i])
+        recent[i] += weight * (tau[i] - recent[i])

@@ -1,0 +1,165 @@
+"""The safe stop of a guarded law in C: when it calls which kernel.
+
+It is what `control.safety.SafeStop` does; its arithmetic is that of the same kernels.
+"""
+
+from __future__ import annotations
+
+from fotsmc_pin.control.safety.brake import beyond_inertia, borne
+from fotsmc_pin.control.safety.braking_path import braking_times, on_path
+from fotsmc_pin.control.safety.safe_stop import ALIKE, ASTRAY, LOST, NEAR
+from fotsmc_pin.control.safety.steps import is_kept
+from fotsmc_pin.export.guard_lines import EFFORT, GuardLines
+from fotsmc_pin.export.layout import block
+
+
+class GuardStop(GuardLines):
+    """Writes the functions of the safe stop."""
+
+    def stop_functions(self) -> list[str]:
+        """Return the functions, each before its caller."""
+        return [
+            *self._begin_stop(),
+            *self._see(),
+            *self._advance(),
+            *self._begin_braking(),
+            *self._brake_on(),
+        ]
+
+    def _begin_stop(self) -> list[str]:
+        return block(
+            f"static void guard_begin_stop({self._state}, int status, int trusts_law)",
+            [
+                f"if (state->stopped == {self._status('OK')}) {{ state->stopped = status; }}",
+                "if (!trusts_law) { state->by_law = 0; }",
+            ],
+            "Begin a safe stop, unless one is on. A law that is in doubt does not brake.",
+        )
+
+    def _see(self) -> list[str]:
+        places = self._pointers("q", "v", "M", "h", "g")
+        targets = self._pointers("q", "v", "a")
+        return [
+            *block(
+                f"static void guard_see({self._state}, {places})",
+                [
+                    self._each("state->seen_q[i] = q[i];", size=self._nq),
+                    self._each("state->seen_v[i] = v[i]; state->h[i] = h[i]; state->g[i] = g[i];"),
+                    self._each("state->M[i] = M[i];", size=self._n**2),
+                    "state->placed = 1;",
+                ],
+                "Remember where the arm was seen, and its model there.",
+            ),
+            *block(
+                f"static void guard_want({self._state}, {targets})",
+                [
+                    self._each("state->target_q[i] = q[i];", size=self._nq),
+                    self._each("state->target_v[i] = v[i]; state->target_a[i] = a[i];"),
+                    "state->wanted = 1;",
+                ],
+                "Remember what is followed.",
+            ),
+        ]
+
+    def _advance(self) -> list[str]:
+        path = self._kernel(on_path, 0, *[1] * 6)
+        times = self._kernel(braking_times, 2, 1, 1, 1, 0, 1)
+        turning, joints = self._bare.turning, self._bare.joints
+        zero = self._number(0.0)
+        return [
+            *block(
+                f"static void guard_draw({self._state}, const {self._real} *borne)",
+                [
+                    f"{times}(state->M, state->path_v, borne, {EFFORT}, state->stop_ramp,",
+                    "    state->braking_time);",
+                    self._each("state->last[i] = {0};", zero),
+                    f"state->path_t = {zero};",
+                    "state->under_way = 1;",
+                ],
+                "Draw a braking path from where it begins.",
+            ),
+            *block(
+                f"static void guard_advance({self._state}, {self._real} dt)",
+                [
+                    f"{self._real} way[{self._n}];",
+                    "state->path_t += dt;",
+                    f"{path}(state->path_t, state->path_v, state->path_a, state->braking_time,",
+                    "    way, state->target_v, state->target_a);",
+                    *turning.sum(joints, "state->path_q", "way", "state->target_q"),
+                    "state->wanted = 1;",
+                ],
+                "Advance on the braking path.",
+            ),
+        ]
+
+    def _begin_braking(self) -> list[str]:
+        n, real, zero = self._n, self._real, self._number(0.0)
+        kept = self._kernel(is_kept, 1, 1, 1, 0, 0)
+        beyond = self._kernel(beyond_inertia, 1, 1, 2, 1)
+        unknown = self._kernel(borne, 1, 1, 1, 2, 1, 1, 1)
+        within = f"{self._number(NEAR)}, {self._number(ALIKE)}"
+        copied = "state->path_v[i] = state->target_v[i]; state->path_a[i] = state->target_a[i];"
+        return block(
+            f"static void guard_begin_braking({self._state})",
+            [
+                *self._start_where_seen(),
+                "if (state->wanted) {",
+                f"    {real} e[{n}], e_dot[{n}];",
+                *self._difference("state->target_q", "state->seen_q", "e"),
+                f"    {self._each('e_dot[i] = state->seen_v[i] - state->target_v[i];')}",
+                f"    if ({kept}(e, e_dot, state->fastest, {within})) {{",
+                f"        {self._each('state->path_q[i] = state->target_q[i];', size=self._nq)}",
+                f"        {self._each(copied)}",
+                "    }",
+                "}",
+                f"{real} load[{n}];",
+                self._each("load[i] = {0};", zero),
+                f"{beyond}(state->path_a, state->recent, state->M, load);",
+                f"{unknown}(state->seen_v, state->path_a, state->recent, state->M, state->h,",
+                "    state->drive, state->load);",
+                "guard_draw(state, load);",
+            ],
+            "Begin to brake where the arm was last seen, or at its target where that is near.",
+        )
+
+    def _brake_on(self) -> list[str]:
+        n, real = self._n, self._real
+        kept, unknown = (
+            self._kernel(is_kept, 1, 1, 1, 0, 0),
+            self._kernel(borne, *[1] * 3, 2, 1, 1, 1),
+        )
+        within = f"{self._number(LOST)}, {self._number(ASTRAY)}"
+        return block(
+            f"static void guard_brake_on({self._state}, bool seen, "
+            f"{self._pointers('q', 'v', 'M', 'h', 'g')}, {real} dt)",
+            [
+                "if (!state->placed) { return; }",
+                "if (!state->under_way) { guard_begin_braking(state); }",
+                "if (seen) {",
+                "    guard_see(state, q, v, M, h, g);",
+                "} else {",
+                "    /* What the speed is by now is not known. */",
+                f"    {self._each('state->h[i] = state->g[i];')}",
+                "}",
+                "guard_advance(state, dt);",
+                "if (!seen || !state->by_law) { return; }",
+                f"{real} e[{n}], e_dot[{n}];",
+                *self._difference("state->target_q", "state->seen_q", "e"),
+                self._each("e_dot[i] = state->seen_v[i] - state->target_v[i];"),
+                f"if ({kept}(e, e_dot, state->fastest, {within})) {{ return; }}",
+                "state->by_law = 0;",
+                *self._start_where_seen(),
+                f"{unknown}(state->seen_v, state->target_a, state->recent, state->M, state->h,",
+                "    state->drive, state->load);",
+                "guard_draw(state, state->h);",
+                "guard_advance(state, dt);",
+            ],
+            "One tick of braking; anew, and without the law, where that lost the path.",
+        )
+
+    def _start_where_seen(self) -> list[str]:
+        zero = self._number(0.0)
+        return [
+            self._each("state->path_q[i] = state->seen_q[i];", size=self._nq),
+            self._each("state->path_v[i] = state->seen_v[i]; state->path_a[i] = {0};", zero),
+        ]
