@@ -17,7 +17,6 @@ import copy
 import tempfile
 import time
 import warnings
-from pathlib import Path
 
 import numpy as np
 
@@ -70,13 +69,14 @@ class Compiler:
         self._folder, self._made = tempfile.TemporaryDirectory(), {}
 
     def __call__(self, law):
-        place = Path(tempfile.mkdtemp(dir=self._folder.name))
-        _, source = fp.export_c(law, place)
-        text = source.read_bytes()
-        if text not in self._made:
-            self._made[text] = CompiledC(law, place, flags=STRICT)
-        self._made[text].init()
-        return self._made[text]
+        law.reset()
+        numbers = [*law.effective_gains().as_dict().values(), *law.state, law.arm.effort_limit]
+        key = (type(law), law.arm.name, law.dt, *(str(np.array(x).tolist()) for x in numbers))
+        if key not in self._made:
+            place = tempfile.mkdtemp(dir=self._folder.name)
+            self._made[key] = CompiledC(law, place, flags=STRICT)
+        self._made[key].init()
+        return self._made[key]
 
 
 def by_a_last_bit(inputs):
