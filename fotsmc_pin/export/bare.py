@@ -1,4 +1,4 @@
-"""A law without any wrapper in C: its structs, its tables, its functions."""
+"""A law in C, alone or with what learns its model: its structs, its tables, its functions."""
 
 from __future__ import annotations
 
@@ -13,7 +13,9 @@ from fotsmc_pin.export.dialect import comment, identifier, member_name
 from fotsmc_pin.export.joints import Turning, joints_of
 from fotsmc_pin.export.law import Law
 from fotsmc_pin.export.layout import STATUSES, assigned, block, notes_of, numbers, struct_lines
-from fotsmc_pin.export.names import ERRORS, INIT, RESET, TAU, UPDATE, Names
+from fotsmc_pin.export.learner import Learner
+from fotsmc_pin.export.names import ERRORS, INIT, LEARNING, RESET, TAU, UPDATE, Names
+from fotsmc_pin.learning import ModelLearning
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -42,11 +44,18 @@ class BareLaw:
         program: where its functions are written.
         law: the translated law.
         turning: what its continuous joints need.
+        learner: what learns its model, if anything does.
     """
 
-    def __init__(self, controller: Controller, program: Program, *, wrapped: bool = False) -> None:
+    def __init__(
+        self, controller: Controller | ModelLearning, program: Program, *, wrapped: bool = False
+    ) -> None:
         self.arm, self.program, self.dialect = controller.arm, program, program.dialect
         self.names = Names.of(self.arm, wrapped=wrapped)
+        self.learner: Learner | None = None
+        if isinstance(controller, ModelLearning):
+            self.learner = Learner(controller, program, self.names)
+            controller = controller.controller
         self.joints = joints_of(self.arm)
         self.turning = Turning(program)
         self.law = Law.of(controller, program, self.names.prefix, self.names.state)
@@ -71,6 +80,8 @@ class BareLaw:
         model = []
         if not self.law.controller.uses_model:
             model = ["", "This law needs no model: M and h may be null pointers."]
+        if self.learner is not None:
+            model += ["", *LEARNING[self.learner.loop]]
         lines = [*UPDATE, *more, *TAU, *model, "", *ends]
         return "\n".join(lines).replace("@", self.names.prefix.upper())
 
@@ -82,6 +93,8 @@ class BareLaw:
             if struct.fields:
                 notes = notes_of(struct.kind)
                 lines += [*comment(note), *struct_lines(struct, notes, self.dialect)]
+        if self.learner is not None:
+            lines += self.learner.types()
         what = "A controller." if not self.names.scope else "The law."
         lines += [*comment(f"{what} A copy remembers everything too."), "typedef struct {"]
         for member in ("gains", *GROUPS):
@@ -91,6 +104,8 @@ class BareLaw:
         for name, memory in law.memories.items():
             note = "/* memory of a fractional operator */"
             lines.append(f"    {real} {name}_memory[{memory.size}]; {note}")
+        if self.learner is not None:
+            lines.append(f"    {self.learner.member}")
         return [*lines, f"}} {self.names.state};", ""]
 
     def tables(self) -> list[str]:
@@ -99,12 +114,13 @@ class BareLaw:
         for name, table in self.law.tables.items():
             lines += comment(f"Coefficients of the operator `{name}`, a row after the other.")
             lines += numbers(f"{identifier(name)}_table", table, self.dialect)
-        return lines
+        return lines if self.learner is None else [*lines, *self.learner.tables()]
 
     @property
     def roots(self) -> list[str]:
         """Translated functions that are called from outside of the translation."""
-        return [self.law.tick.name, self.law.read.name, *self.turning.used]
+        learning = [] if self.learner is None else self.learner.roots
+        return [self.law.tick.name, self.law.read.name, *self.turning.used, *learning]
 
     def heads(self) -> dict[str, str]:
         """Return the declarations of the law's functions."""
@@ -187,7 +203,7 @@ class BareLaw:
             for k in np.flatnonzero(flat):
                 number = self.dialect.number(float(flat[k]))
                 lines.append(f"state->{name}_memory[{k}] = {number};")
-        return lines
+        return lines if self.learner is None else [*lines, *self.learner.reset_lines()]
 
     def _update_lines(self) -> list[str]:
         law, real, n = self.law, self.dialect.real, self.arm.nv
@@ -210,14 +226,30 @@ class BareLaw:
             self._understood_lines(),
             "Read the arguments of a tick, each number kept within bounds; or say what is wrong.",
         )
+        ok, arguments, last = (
+            self.names.status("OK"),
+            self._tick_arguments(),
+            "state->joints.tau[i]",
+        )
+        before: list[str] = []
+        after: list[str] = []
+        ready: list[str] = []
+        if self.learner is not None:
+            lines += self.learner.functions()
+            before, after = self.learner.before_tick(), self.learner.after_tick()
+            ready = [f"if (status == {ok}) {{ status = ready(state); }}"]
+            arguments["h0"], last = self.learner.h, self.learner.last_torque
         update = [
             f"{shape} seen = state->joints;",
-            f"const int status = understood(&seen, {given}, dt);",
-            f"if (status == {self.names.status('OK')}) {{",
+            f"{'int' if ready else 'const int'} status = understood(&seen, {given}, dt);",
+            *ready,
+            f"if (status == {ok}) {{",
             "    state->joints = seen;",
-            f"    {_call(law.tick, self._tick_arguments())};",
+            *(f"    {line}" for line in before),
+            f"    {_call(law.tick, arguments)};",
+            *(f"    {line}" for line in after),
             "}",
-            f"for (int i = 0; i < {n}; i++) {{ tau[i] = state->joints.tau[i]; }}",
+            f"for (int i = 0; i < {n}; i++) {{ tau[i] = {last}; }}",
             *([] if models else ["(void)M;", "(void)h;"]),
             "return status;",
         ]

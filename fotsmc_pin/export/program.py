@@ -193,8 +193,6 @@ class Program:
         plain = source.function.__name__
         name = f"{source.module}{plain}" if plain.startswith("_") else plain
         name = identifier(name)
-        if name in HELPERS:
-            name += "_"
         count = self._names[name] = self._names.get(name, 0) + 1
         return name if count == 1 else f"{name}_v{count}"
 

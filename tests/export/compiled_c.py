@@ -167,3 +167,70 @@ class CompiledC:
         one = Inputs(*(np.array([x], dtype=self.real) for x in row), None)
         tau, status = self.replay(one)
         return tau[0], int(status[0])
+
+
+class LearningC(CompiledC):
+    """An exported controller that learns: Pinocchio gives it what a robot's program would."""
+
+    def __init__(self, controller, folder, **options):
+        super().__init__(controller, folder, **options)
+        self.due, self.give, self.learned = (
+            getattr(self.code, f"{self.prefix}_{name}")
+            for name in ("regressor_due", "give_regressor", "learned_model")
+        )
+        learner = getattr(controller, "controller", controller)
+        learner = controller if isinstance(controller, fp.ModelLearning) else learner
+        self.in_loop, self.feeds = learner._in_loop, learner._feeds
+        model = self.arm.model
+        self.model, self.data, self.nominal = model.copy(), model.createData(), model.createData()
+
+    def believe(self):
+        """Take over the learnt arm, as it is after a tick."""
+        links, armature = np.zeros((self.arm.nv, 10)), np.zeros(self.arm.nv)
+        self.learned(self.state, *_pointers(links, armature))
+        for k, dynamic in enumerate(links):
+            self.model.inertias[k + 1] = pin.Inertia.FromDynamicParameters(dynamic)
+        self.model.armature[:] = armature
+        return links, armature
+
+    def regressor(self):
+        """Return the regressor that is due, if any is."""
+        q, v, a = np.zeros(self.arm.nq), np.zeros(self.arm.nv), np.zeros(self.arm.nv)
+        if not self.due(self.state, *_pointers(q, v, a)):
+            return None
+        found = pin.computeJointTorqueRegressor(self.arm.model, self.nominal, q, v, a)
+        return np.ascontiguousarray(found)
+
+    def terms(self, q, v, v_d, a_d):
+        """Return `M`, `h` and `g` for a tick, of the learnt arm where the law is closed with it."""
+        nominal = terms(self.arm, None, q, v)
+        seen, speed = np.clip(q, -LARGEST, LARGEST), np.clip(v, -LARGEST, LARGEST)
+        if not self.in_loop:
+            M, h, g = nominal
+            if self.feeds and np.isfinite(h).all():
+                h = h + pin.rnea(self.model, self.data, seen, v_d, a_d)
+                h -= pin.rnea(self.arm.model, self.nominal, seen, v_d, a_d)
+            return M, h, g
+        if not np.isfinite(nominal[0]).all():
+            return nominal
+        M = pin.crba(self.model, self.data, seen).copy()
+        return M, pin.nonLinearEffects(self.model, self.data, seen, speed).copy(), nominal[2]
+
+    def follow(self, inputs):
+        """Return the torques and status codes of all ticks, with its own learnt model."""
+        self.believe()
+        found = []
+        for q, v, q_d, v_d, a_d, dt in zip(
+            inputs.q, inputs.v, inputs.q_d, inputs.v_d, inputs.a_d, inputs.dt, strict=True
+        ):
+            regressor = self.regressor()
+            if regressor is not None:
+                assert self.give(self.state, *_pointers(regressor)) == 0
+            found.append(self.update(q, v, q_d, v_d, a_d, *self.terms(q, v, v_d, a_d), dt))
+            self.believe()
+        tau, status = zip(*found, strict=True)
+        return np.array(tau), np.array(status)
+
+
+def _pointers(*arrays):
+    return [ctypes.c_void_p(array.ctypes.data) for array in arrays]
