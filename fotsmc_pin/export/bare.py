@@ -94,7 +94,7 @@ class BareLaw:
                 notes = notes_of(struct.kind)
                 lines += [*comment(note), *struct_lines(struct, notes, self.dialect)]
         if self.learner is not None:
-            lines += self.learner.types()
+            lines += self.learner.layout.types()
         what = "A controller." if not self.names.scope else "The law."
         lines += [*comment(f"{what} A copy remembers everything too."), "typedef struct {"]
         for member in ("gains", *GROUPS):
@@ -105,7 +105,7 @@ class BareLaw:
             note = "/* memory of a fractional operator */"
             lines.append(f"    {real} {name}_memory[{memory.size}]; {note}")
         if self.learner is not None:
-            lines.append(f"    {self.learner.member}")
+            lines.append(f"    {self.learner.layout.type_name} learner;")
         return [*lines, f"}} {self.names.state};", ""]
 
     def tables(self) -> list[str]:
@@ -114,7 +114,7 @@ class BareLaw:
         for name, table in self.law.tables.items():
             lines += comment(f"Coefficients of the operator `{name}`, a row after the other.")
             lines += numbers(f"{identifier(name)}_table", table, self.dialect)
-        return lines if self.learner is None else [*lines, *self.learner.tables()]
+        return lines if self.learner is None else [*lines, *self.learner.layout.tables()]
 
     @property
     def roots(self) -> list[str]:
@@ -203,7 +203,7 @@ class BareLaw:
             for k in np.flatnonzero(flat):
                 number = self.dialect.number(float(flat[k]))
                 lines.append(f"state->{name}_memory[{k}] = {number};")
-        return lines if self.learner is None else [*lines, *self.learner.reset_lines()]
+        return lines if self.learner is None else [*lines, *self.learner.layout.reset_lines()]
 
     def _update_lines(self) -> list[str]:
         law, real, n = self.law, self.dialect.real, self.arm.nv
@@ -226,30 +226,18 @@ class BareLaw:
             self._understood_lines(),
             "Read the arguments of a tick, each number kept within bounds; or say what is wrong.",
         )
-        ok, arguments, last = (
-            self.names.status("OK"),
-            self._tick_arguments(),
-            "state->joints.tau[i]",
-        )
-        before: list[str] = []
-        after: list[str] = []
-        ready: list[str] = []
+        status, tick = f"understood(&seen, {given}, dt)", [f"{_call(law.tick, self._given())};"]
         if self.learner is not None:
             lines += self.learner.functions()
-            before, after = self.learner.before_tick(), self.learner.after_tick()
-            ready = [f"if (status == {ok}) {{ status = ready(state); }}"]
-            arguments["h0"], last = self.learner.h, self.learner.last_torque
+            status, tick = f"ready(state, {status})", self.learner.around(tick)
         update = [
             f"{shape} seen = state->joints;",
-            f"{'int' if ready else 'const int'} status = understood(&seen, {given}, dt);",
-            *ready,
-            f"if (status == {ok}) {{",
+            f"const int status = {status};",
+            f"if (status == {self.names.status('OK')}) {{",
             "    state->joints = seen;",
-            *(f"    {line}" for line in before),
-            f"    {_call(law.tick, arguments)};",
-            *(f"    {line}" for line in after),
+            *(f"    {line}" for line in tick),
             "}",
-            f"for (int i = 0; i < {n}; i++) {{ tau[i] = {last}; }}",
+            f"for (int i = 0; i < {n}; i++) {{ tau[i] = {self._last_torque}; }}",
             *([] if models else ["(void)M;", "(void)h;"]),
             "return status;",
         ]
@@ -290,8 +278,13 @@ class BareLaw:
             ]
         return [*lines, f"return {names.status('OK')};"]
 
-    def _tick_arguments(self) -> dict[str, str]:
-        found = {"dt": "dt", "table": "state", "M0": "M", "h0": "h"}
+    @property
+    def _last_torque(self) -> str:
+        return "state->joints.tau[i]" if self.learner is None else self.learner.last_torque
+
+    def _given(self) -> dict[str, str]:
+        h = "h" if self.learner is None else self.learner.h
+        found = {"dt": "dt", "table": "state", "M0": "M", "h0": h}
         for name in self.law.tables:
             found[identifier(f"{name}_memory")] = f"state->{name}_memory"
         return found

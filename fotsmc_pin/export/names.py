@@ -45,13 +45,14 @@ LEARNING = {
 """What a caller gives for the model where it is learnt."""
 DUE = (
     "Return 1 where the next tick needs the regressor of the last window, as every fourth does,\n"
-    "and write where to take it: q [rad, m], v [rad/s, m/s], a [rad/s^2, m/s^2]. Otherwise return 0."
+    "and write where to take it: q [rad, m], v [rad/s, m/s], a [rad/s^2, m/s^2]. Else return 0."
 )
 GIVE = (
     "Hand over the regressor that is due, before the tick: nv rows of 10 nv entries, row by row,\n"
-    "of the nominal arm (Pinocchio's computeJointTorqueRegressor): torque [N*m, N] per unit of each\n"
-    "dynamic parameter. Returns @_OK; or @_BAD_MODEL, and does nothing, where an\n"
-    "entry is not finite or beyond 1e20. A tick that lacks what is due is refused, BAD_MODEL too."
+    "of the nominal arm (Pinocchio's computeJointTorqueRegressor), torque [N*m, N] per unit of\n"
+    "each dynamic parameter. Returns @_OK; or @_BAD_MODEL, and does nothing,\n"
+    "where an entry is not finite or beyond 1e20. A tick that lacks what is due is refused, with\n"
+    "the same status."
 )
 LEARNED = (
     "Write the learnt arm, as it is after init, reset and each tick. For each link, one after the\n"
