@@ -60,7 +60,9 @@ class Learner:
         self._learn, self._ahead = self._translated_tick(), self._translated_friction()
         reals = [Scalar("real", "x"), Scalar("real", "limit")]
         self._clip = program.function(clip, reals, caller=None, node=None).name
-        self.roots = [self._learn.name, self._ahead.name, self._clip]
+        self.roots = [self._learn.name, self._clip]
+        if owner._feeds:
+            self.roots.append(self._ahead.name)
 
     @property
     def loop(self) -> str:

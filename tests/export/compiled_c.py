@@ -1,8 +1,9 @@
 """Exported controllers, compiled and called: a tick at a time or a whole recording at once."""
 
 import ctypes
+import os
 import subprocess
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +13,10 @@ import fotsmc_pin as fp
 from fotsmc_pin.control.arguments import LARGEST
 
 STRICT = ("-std=c99", "-O2", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
-UNDEFINED = ("-fsanitize=undefined", "-fno-sanitize-recover=all")
-"""What C does not define ends the process."""
+SANITIZERS = os.environ.get("FOTSMC_SANITIZERS", "undefined")
+CHECKED = ("-std=c99", "-O0", f"-fsanitize={SANITIZERS}", "-fno-sanitize-recover=all")
+"""What C does not define ends the process. Without optimization nothing of it is optimized away,
+and it compiles in a fifth of the time."""
 EXACT = "-ffp-contract=off"
 """Products and sums are rounded one by one, so that numbers can be compared to the last bits."""
 
@@ -55,7 +58,9 @@ def compile_shared(sources, target, *flags, compiler="gcc"):
         str(target),
         "-lm",
     ]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    # What a run of the tests under a sanitizer loads first is not for the compiler.
+    env = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}
+    done = subprocess.run(command, capture_output=True, text=True, check=False, env=env)
     assert not done.returncode, done.stderr[:4000]
     return target
 
@@ -74,6 +79,10 @@ class Inputs:
     g: np.ndarray
     dt: np.ndarray
     tau: np.ndarray
+
+    def part(self, start, stop=None):
+        """Return some of the ticks."""
+        return Inputs(*(getattr(self, field.name)[start:stop] for field in fields(self)))
 
 
 def terms(arm, law, q, v):
@@ -121,11 +130,12 @@ class Logged:
 
 
 class CompiledC:
-    """An exported controller, compiled into a shared library."""
+    """An exported controller: optimized, without a warning, and as a library that is called.
 
-    def __init__(
-        self, controller, folder, *, single=False, flags=(*STRICT, *UNDEFINED), compiler="gcc"
-    ):
+    The library is that of the sanitizers unless `flags` say otherwise.
+    """
+
+    def __init__(self, controller, folder, *, single=False, flags=CHECKED, compiler="gcc"):
         self.arm = controller.arm
         self.header, self.source = fp.export_c(controller, folder, single=single)
         self.prefix = self.header.stem
@@ -136,6 +146,7 @@ class CompiledC:
         guarded = isinstance(controller, fp.Safeguard)
         words["g"] = f"g + {self.arm.nv} * k," if guarded else ""
         shim.write_text(SHIM.format(n=self.arm.nv, nq=self.arm.nq, **words), encoding="utf-8")
+        self.object = compile_shared([self.source], Path(folder) / "strict.o", *STRICT, "-c")
         library = Path(folder) / f"{self.prefix}.so"
         compile_shared([self.source, shim], library, *flags, EXACT, compiler=compiler)
         self.code = ctypes.CDLL(str(library))
@@ -178,8 +189,8 @@ class LearningC(CompiledC):
             getattr(self.code, f"{self.prefix}_{name}")
             for name in ("regressor_due", "give_regressor", "learned_model")
         )
-        learner = getattr(controller, "controller", controller)
-        learner = controller if isinstance(controller, fp.ModelLearning) else learner
+        guarded = isinstance(controller, fp.Safeguard)
+        learner = controller.controller if guarded else controller
         self.in_loop, self.feeds = learner._in_loop, learner._feeds
         model = self.arm.model
         self.model, self.data, self.nominal = model.copy(), model.createData(), model.createData()
@@ -187,7 +198,7 @@ class LearningC(CompiledC):
     def believe(self):
         """Take over the learnt arm, as it is after a tick."""
         links, armature = np.zeros((self.arm.nv, 10)), np.zeros(self.arm.nv)
-        self.learned(self.state, *_pointers(links, armature))
+        self.learned(self.state, *pointers(links, armature))
         for k, dynamic in enumerate(links):
             self.model.inertias[k + 1] = pin.Inertia.FromDynamicParameters(dynamic)
         self.model.armature[:] = armature
@@ -196,7 +207,7 @@ class LearningC(CompiledC):
     def regressor(self):
         """Return the regressor that is due, if any is."""
         q, v, a = np.zeros(self.arm.nq), np.zeros(self.arm.nv), np.zeros(self.arm.nv)
-        if not self.due(self.state, *_pointers(q, v, a)):
+        if not self.due(self.state, *pointers(q, v, a)):
             return None
         found = pin.computeJointTorqueRegressor(self.arm.model, self.nominal, q, v, a)
         return np.ascontiguousarray(found)
@@ -225,12 +236,13 @@ class LearningC(CompiledC):
         ):
             regressor = self.regressor()
             if regressor is not None:
-                assert self.give(self.state, *_pointers(regressor)) == 0
+                assert self.give(self.state, *pointers(regressor)) == 0
             found.append(self.update(q, v, q_d, v_d, a_d, *self.terms(q, v, v_d, a_d), dt))
             self.believe()
         tau, status = zip(*found, strict=True)
         return np.array(tau), np.array(status)
 
 
-def _pointers(*arrays):
+def pointers(*arrays):
+    """Return pointers to the numbers of contiguous arrays."""
     return [ctypes.c_void_p(array.ctypes.data) for array in arrays]
