@@ -21,6 +21,13 @@ def export_command(
     arm_options: ArmOptions,
     law: LawOptions,
     dt: Annotated[float, typer.Option(help="Nominal period of a tick [s].")] = 1e-3,
+    learn: Annotated[
+        bool,
+        typer.Option("--learn", help="With what learns the arm while it moves; knows of --delay."),
+    ] = False,
+    delay: Annotated[
+        int, typer.Option(min=0, help="With --learn: ticks from a torque to the drive.")
+    ] = 1,
     guarded: Annotated[
         bool,
         typer.Option("--safeguard", help="With soft start, watchdog and safe stop around the law."),
@@ -38,10 +45,14 @@ def export_command(
     from fotsmc_pin.control import Safeguard
     from fotsmc_pin.errors import ArgumentError
     from fotsmc_pin.export import export_c
+    from fotsmc_pin.learning import ModelLearning
 
     if torque_rate is not None and not guarded:
         raise ArgumentError("--torque-rate", torque_rate, "give --safeguard too, whose limit it is")
-    controller = law.make(arm_options.load(arm), dt)
+    bare = law.make(arm_options.load(arm), dt)
+    controller = ModelLearning(bare, delay=delay) if learn else bare
+    if single and learn:
+        raise ArgumentError("--float", single, "leave it out: what learns is in double precision")
     folder = result_folder(out, force=force)
     written = Safeguard(controller, torque_rate=torque_rate) if guarded else controller
     header, source = export_c(written, folder, single=single)
