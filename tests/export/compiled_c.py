@@ -48,7 +48,7 @@ void shim_replay(
 
 def compile_shared(sources, target, *flags, compiler="gcc"):
     """Compile C into a shared library."""
-    shared = [] if "-c" in flags else ["-fPIC", "-shared"]
+    shared, libraries = ([], []) if "-c" in flags else (["-fPIC", "-shared"], ["-lm"])
     command = [
         compiler,
         *flags,
@@ -56,7 +56,7 @@ def compile_shared(sources, target, *flags, compiler="gcc"):
         *map(str, sources),
         "-o",
         str(target),
-        "-lm",
+        *libraries,
     ]
     # What a run of the tests under a sanitizer loads first is not for the compiler.
     env = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}
