@@ -1,7 +1,8 @@
 """Every law in C against Python, tick by tick, over the stress suite and the two-link case.
 
-`python -m tests.export.replay [ARM...] [--laws LAW...] [--duration SECONDS]` runs each case of the
-stress suite in Python, repeats all its ticks in C with the same numbers, and prints for each run
+`python -m tests.export.replay [ARM...] [--laws LAW...] [--cases CASE...] [--duration SECONDS]` runs
+each case of the stress suite in Python, repeats all its ticks in C with the same numbers, and
+prints for each run
 
 - the largest error of a torque vector over its size, and over the run's largest torque;
 - the same two for C against itself, where the last bit of every measurement and every entry of the
@@ -89,13 +90,13 @@ def by_a_last_bit(inputs):
     return changed
 
 
-def cases_of(name, duration):
+def cases_of(name, cases, duration):
     """Return what to run with an arm: name, nominal arm, period and a function that runs."""
     arm = fp.load_arm(name)
-    if name == "two_link":
+    if name == "two_link" and "all" in cases:
         seconds = 10.0 if duration is None else duration
         yield "paper", two_link.nominal_arm(), 1e-3, lambda c: two_link.run(c, duration=seconds)
-    for case in chosen_cases("all"):
+    for case in chosen_cases(cases):
         scenario = case.scenario_of(arm)
         seconds = scenario.course.duration if duration is None else duration
         yield (
@@ -143,13 +144,14 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("arms", nargs="*", default=ARMS)
     parser.add_argument("--laws", nargs="*", default=[*CONTROLLERS])
+    parser.add_argument("--cases", nargs="*", default=["all"])
     parser.add_argument("--duration", type=float, help="longest time of a run [s]")
     chosen = parser.parse_args()
     warnings.simplefilter("ignore")
     print(HEAD)
     compiled, began, found = Compiler(), time.perf_counter(), {}
     for name in chosen.arms:
-        for label, arm, dt, run in cases_of(name, chosen.duration):
+        for label, arm, dt, run in cases_of(name, chosen.cases, chosen.duration):
             for law in (CONTROLLERS[word] for word in chosen.laws):
                 for preset in law.presets:
                     numbers, told = compare(law(arm, dt, preset=preset), run, compiled)
