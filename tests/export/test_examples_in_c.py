@@ -59,17 +59,19 @@ def test_what_needs_a_robot_is_read_for_its_syntax(name, tmp_path):
 
 
 @pytest.mark.long
-def test_pinocchio_closes_the_loop(tmp_path):
+@pytest.mark.parametrize("name", ["pinocchio_loop", "learning_loop"])
+def test_pinocchio_closes_the_loop(name, tmp_path):
     arm = arm_named("panda")
-    fp.export_c(fp.RobustFONFTSM(arm, DT), tmp_path)
+    law = fp.RobustFONFTSM(arm, DT)
+    fp.export_c(fp.ModelLearning(law, delay=0) if name == "learning_loop" else law, tmp_path)
     arm.write_urdf(tmp_path / "panda.urdf")
-    program, part = tmp_path / "pinocchio_loop", tmp_path / "law.o"
+    program, part = tmp_path / name, tmp_path / "law.o"
     run("gcc", *STRICT, "-c", tmp_path / "fotsmc_panda.c", "-o", part)
     run(
         *("g++", "-std=c++17", "-O1", *BOOST, f"-I{tmp_path}", f"-I{WHEEL / 'include'}"),
         *(
             "-I/usr/include/eigen3",
-            EXAMPLES / "c" / "pinocchio_loop.cpp",
+            EXAMPLES / "c" / f"{name}.cpp",
             part,
             f"-L{WHEEL / 'lib'}",
         ),
