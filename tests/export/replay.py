@@ -1,8 +1,8 @@
 """Every law in C against Python, tick by tick, over the stress suite and the two-link case.
 
-`python -m tests.export.replay [ARM...] [--laws LAW...] [--cases CASE...] [--duration SECONDS]` runs
-each case of the stress suite in Python, repeats all its ticks in C with the same numbers, and
-prints for each run
+`python -m tests.export.replay [ARM...] [--laws LAW...] [--cases CASE...] [--duration SECONDS]
+[--learn]` runs each case of the stress suite in Python, repeats all its ticks in C with the same
+numbers, and prints for each run
 
 - the largest error of a torque vector over its size, and over the run's largest torque;
 - the same two for C against itself, where the last bit of every measurement and every entry of the
@@ -10,7 +10,8 @@ prints for each run
 - in how many ticks the error over the vector is above 1e-12, the first of them, and the largest
   ratio of the error to the change by a last bit in these, both as the largest within ten ticks;
 
-and at the end the worst of each law.
+and at the end the worst of each law. With `--learn` the laws are in a `ModelLearning`, and the C
+has the terms of the arm that it learns itself.
 """
 
 import argparse
@@ -26,7 +27,7 @@ from fotsmc_pin.control import CONTROLLERS
 from fotsmc_pin.evaluation.stress.cases import chosen_cases
 from fotsmc_pin.paper import two_link
 
-from .compiled_c import STRICT, CompiledC, Inputs
+from .compiled_c import STRICT, CompiledC, Inputs, LearningC
 
 EXACT = 1e-12
 ARMS = ("two_link", "panda", "ur3", "ur5", "ur10", "kinova", "xarm7", "z1", "so100", "asr_twodof")
@@ -41,6 +42,7 @@ class Watched:
 
     def __init__(self, law):
         self.law, self.dt, self.arm, self.rows = law, law.dt, law.arm, []
+        self.bare = getattr(law, "controller", law)
 
     def __getattr__(self, name):
         return getattr(self.law, name)
@@ -51,7 +53,7 @@ class Watched:
 
     def update(self, q, v, q_d, v_d, a_d, dt=None):
         tau = self.law.update(q, v, q_d, v_d, a_d, dt)
-        terms = self.law._terms
+        terms = self.bare._terms
         given = (q, v, q_d, v_d, a_d, terms.M, terms.h)
         period = self.dt if dt is None else dt
         self.rows.append((*(np.array(x, dtype=float) for x in given), period, tau))
@@ -71,11 +73,15 @@ class Compiler:
 
     def __call__(self, law):
         law.reset()
-        numbers = [*law.effective_gains().as_dict().values(), *law.state, law.arm.effort_limit]
-        key = (type(law), law.arm.name, law.dt, *(str(np.array(x).tolist()) for x in numbers))
+        bare = getattr(law, "controller", law)
+        numbers = [*bare.effective_gains().as_dict().values(), *bare.state, law.arm.effort_limit]
+        kind = CompiledC if law is bare else LearningC
+        if kind is LearningC:
+            numbers += [law._whole, law._beliefs, law._bodies]
+        key = (type(bare), law.arm.name, law.dt, *(str(np.array(x).tolist()) for x in numbers))
         if key not in self._made:
             place = tempfile.mkdtemp(dir=self._folder.name)
-            self._made[key] = CompiledC(law, place, flags=STRICT)
+            self._made[key] = kind(law, place, flags=STRICT)
         self._made[key].init()
         return self._made[key]
 
@@ -117,9 +123,10 @@ def compare(controller, run, compiled):
             return None, f"did not run: {error}"
     inputs = log.inputs
     c = compiled(log.law)
-    tau, status = c.replay(inputs)
+    repeat = c.follow if isinstance(c, LearningC) else c.replay
+    tau, status = repeat(inputs)
     c.init()
-    moved, _ = c.replay(by_a_last_bit(inputs))
+    moved, _ = repeat(by_a_last_bit(inputs))
     size = np.linalg.norm(inputs.tau, axis=1)
     error, change = (np.linalg.norm(tau - x, axis=1) for x in (inputs.tau, moved))
     numbers = []
@@ -146,6 +153,7 @@ def main():
     parser.add_argument("--laws", nargs="*", default=[*CONTROLLERS])
     parser.add_argument("--cases", nargs="*", default=["all"])
     parser.add_argument("--duration", type=float, help="longest time of a run [s]")
+    parser.add_argument("--learn", action="store_true", help="with what learns the model")
     chosen = parser.parse_args()
     warnings.simplefilter("ignore")
     print(HEAD)
@@ -154,7 +162,10 @@ def main():
         for label, arm, dt, run in cases_of(name, chosen.cases, chosen.duration):
             for law in (CONTROLLERS[word] for word in chosen.laws):
                 for preset in law.presets:
-                    numbers, told = compare(law(arm, dt, preset=preset), run, compiled)
+                    controller = law(arm, dt, preset=preset)
+                    if chosen.learn:
+                        controller = fp.ModelLearning(controller)
+                    numbers, told = compare(controller, run, compiled)
                     print(f"{name}, {label}, {law.__name__}, {preset}: {told}", flush=True)
                     if numbers:
                         found.setdefault(f"{law.__name__} {preset}", []).append(numbers)
