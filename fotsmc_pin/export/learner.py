@@ -171,8 +171,8 @@ class Learner:
         found = []
         for name, head in self._heads().items():
             text, note = calls[name]
-            head = head.replace("static ", "").replace(name, f"{self._names.prefix}_{name}")
-            head = head.replace(f"{self._names.state} *", f"{outer} *")
+            head = head.replace("static ", "").replace(f"{self._names.state} *", f"{outer} *")
+            head = head.replace(f" {name}(", f" {self._names.prefix}_{name}(")
             note = note.replace("@", self._names.prefix.upper())
             found.append((head, note, [text.replace("@", place)]))
         return found
