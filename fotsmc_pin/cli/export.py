@@ -21,6 +21,13 @@ def export_command(
     arm_options: ArmOptions,
     law: LawOptions,
     dt: Annotated[float, typer.Option(help="Nominal period of a tick [s].")] = 1e-3,
+    learn: Annotated[
+        bool,
+        typer.Option("--learn", help="With what learns the arm while it moves; knows of --delay."),
+    ] = False,
+    delay: Annotated[
+        int, typer.Option(min=0, help="With --learn: ticks from a torque to the drive.")
+    ] = 1,
     guarded: Annotated[
         bool,
         typer.Option("--safeguard", help="With soft start, watchdog and safe stop around the law."),
@@ -45,6 +52,7 @@ def export_command(
     from fotsmc_pin.control import Controller, Safeguard
     from fotsmc_pin.errors import ArgumentError
     from fotsmc_pin.export import export_c
+    from fotsmc_pin.learning import ModelLearning
 
     if not guarded:
         if torque_rate is not None:
@@ -53,8 +61,11 @@ def export_command(
         if compensates is not None:
             remedy = "give --safeguard too, which takes it away"
             raise ArgumentError("--compensates", compensates, remedy)
-    controller = law.make(arm_options.load(arm), dt)
-    written: Controller | Safeguard = controller
+    if single and learn:
+        raise ArgumentError("--float", single, "leave it out: what learns is in double precision")
+    bare = law.make(arm_options.load(arm), dt)
+    controller = ModelLearning(bare, delay=delay) if learn else bare
+    written: Controller | ModelLearning | Safeguard = controller
     if guarded:
         written = Safeguard(controller, torque_rate=torque_rate)
         written.compensates = tuple((compensates or "").replace(",", " ").split())

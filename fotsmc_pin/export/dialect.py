@@ -156,6 +156,9 @@ FUNCTIONS = frozenset(
 )
 """Functions that are there already."""
 
+OWN = frozenset(["square", "cube", "least", "greatest", "floored", "remaining", "whole"])
+"""Short functions that a program brings (`program.HELPERS`)."""
+
 MATH = {
     **dict.fromkeys(
         [
@@ -251,7 +254,7 @@ def member_name(name: str) -> str:
 def identifier(name: str) -> str:
     """Return the name of a function or a variable, different from all that are there already."""
     plain = member_name(name)
-    return f"{plain}_" if plain in FUNCTIONS or re.search(r"_v\d+$", plain) else plain
+    return f"{plain}_" if plain in FUNCTIONS | OWN or re.search(r"_v\d+$", plain) else plain
 
 
 def _spelled(letter: str) -> str:

@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from fotsmc_pin.control import Controller, Safeguard
 from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.export.files import Files
 from fotsmc_pin.files import write_text
+from fotsmc_pin.learning import ModelLearning
 
 if TYPE_CHECKING:
     import os
 
 
 def export_c(
-    controller: Controller | Safeguard, folder: str | os.PathLike[str], *, single: bool = False
+    controller: Controller | ModelLearning | Safeguard,
+    folder: str | os.PathLike[str],
+    *,
+    single: bool = False,
 ) -> tuple[Path, Path]:
     """Write a controller as C99, for loops in hard real time.
 
@@ -24,7 +28,8 @@ def export_c(
     controller gives the same files, byte for byte.
 
     Args:
-        controller: a control law, or a `Safeguard` around one; it stays as it is.
+        controller: a control law, a `ModelLearning` around one, or a `Safeguard` around either; it
+            stays as it is, and what it has learnt so far stays here.
         folder: where the files go: `fotsmc_<arm>.h` and `fotsmc_<arm>.c`.
         single: write `float` in place of `double`, for processors that have no other.
 
@@ -32,14 +37,19 @@ def export_c(
         The header and the program.
 
     Raises:
-        ArgumentError: what is given is no controller, an arm has a joint of several axes, or a
-            `Safeguard` has `Limits`, which need Pinocchio's collision models and a solver.
+        ArgumentError: what is given, or what it wraps, is no such controller; an arm has a joint of
+            several axes; a learner in single precision; a `Safeguard` has `Limits`, which need
+            Pinocchio's collision models and a solver.
         TranslationError: a kernel contains what is not translated; the message names the place.
     """
-    if not isinstance(controller, Controller | Safeguard):
-        raise ArgumentError("controller", controller, "give a control law or a Safeguard")
-    if isinstance(controller, Safeguard) and not isinstance(controller.controller, Controller):
-        raise ArgumentError("controller", controller, "give a Safeguard around a control law")
+    inner: Any = controller
+    for wrapper in (Safeguard, ModelLearning):
+        if isinstance(inner, wrapper):
+            inner = inner.controller
+    if not isinstance(inner, Controller):
+        remedy = "give a control law, alone, in a ModelLearning, or either of these in a Safeguard"
+        name = controller if inner is controller else f"{type(inner).__name__} inside"
+        raise ArgumentError("controller", name, remedy)
     if isinstance(controller, Safeguard) and controller.limits is not None:
         remedy = (
             "a Safeguard with limits stays in Python, as they need Pinocchio's distances and a "

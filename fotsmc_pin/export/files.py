@@ -10,11 +10,12 @@ from fotsmc_pin.control import Safeguard
 from fotsmc_pin.export.bare import BareLaw
 from fotsmc_pin.export.dialect import Dialect, comment
 from fotsmc_pin.export.guard import GuardedLaw
-from fotsmc_pin.export.layout import statuses
+from fotsmc_pin.export.layout import block, statuses
 from fotsmc_pin.export.program import Program
 
 if TYPE_CHECKING:
     from fotsmc_pin.control import Controller
+    from fotsmc_pin.learning import ModelLearning
 
 
 class Files:
@@ -24,7 +25,9 @@ class Files:
         prefix: what all public names begin with.
     """
 
-    def __init__(self, controller: Controller | Safeguard, *, single: bool = False) -> None:
+    def __init__(
+        self, controller: Controller | ModelLearning | Safeguard, *, single: bool = False
+    ) -> None:
         """Translate a controller.
 
         Args:
@@ -38,7 +41,8 @@ class Files:
         else:
             self._written = BareLaw(controller, program)
         self._program, self._controller = program, controller
-        self._law = getattr(self._written, "bare", self._written).law.controller
+        bare: BareLaw = getattr(self._written, "bare", self._written)
+        self._law, self._learner = bare.law.controller, bare.learner
         self.prefix: str = self._written.names.prefix
 
     def header(self) -> str:
@@ -61,7 +65,8 @@ class Files:
             *statuses(macro, self._written.meanings),
             *self._written.types(),
         ]
-        for head, note in self._written.public():
+        learning = [(head, note) for head, note, _ in self._learning()]
+        for head, note in (*self._written.public(), *learning):
             lines += [*comment(note), f"{head};", ""]
         return "\n".join([*lines, "#ifdef __cplusplus", "}", "#endif", "", "#endif", ""])
 
@@ -79,13 +84,20 @@ class Files:
             *self._program.text(*written.roots),
             *written.functions(),
         ]
+        for head, _, text in self._learning():
+            lines += block(head, text, "See the header.")
         return "\n".join(lines)
+
+    def _learning(self) -> list[tuple[str, str, list[str]]]:
+        if self._learner is None:
+            return []
+        guarded = isinstance(self._controller, Safeguard)
+        return self._learner.public(f"{self.prefix}_state", "&state->law" if guarded else "state")
 
     def _about(self) -> str:
         arm, kind = self._law.arm, type(self._law)
-        wrapped = (
-            "" if kind is type(self._controller) else f" in a {type(self._controller).__name__}"
-        )
+        wrapped = "" if self._learner is None else " that learns its model"
+        wrapped += " in a Safeguard" if isinstance(self._controller, Safeguard) else ""
         return "\n".join(
             [
                 f"{kind.__name__}{wrapped} for {arm.name}: {arm.nv} joints.",

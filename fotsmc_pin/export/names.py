@@ -29,6 +29,38 @@ ERRORS = (
     "of the last tick; the next good tick goes on from there.",
 )
 
+LEARNING = {
+    "learnt": (
+        "M and h are those of the learnt arm, see learned_model. The learnt friction is added",
+        "here.",
+    ),
+    "ahead": (
+        "M and h are those of the nominal arm; add to h what the learnt one needs more at the",
+        "reference: rnea(q, v_d, a_d) of the learnt arm less that of the nominal one. The learnt",
+        "friction is added here.",
+    ),
+    "nominal": ("M and h are those of the nominal arm: what is learnt is not used.",),
+    "none": ("What is learnt is used for the friction alone, which is added here.",),
+}
+"""What a caller gives for the model where it is learnt."""
+DUE = (
+    "Return 1 where the next tick needs the regressor of the last window, as every fourth does,\n"
+    "and write where to take it: q [rad, m], v [rad/s, m/s], a [rad/s^2, m/s^2]. Else return 0."
+)
+GIVE = (
+    "Hand over the regressor that is due, before the tick: nv rows of 10 nv entries, row by row,\n"
+    "of the nominal arm (Pinocchio's computeJointTorqueRegressor), torque [N*m, N] per unit of\n"
+    "each dynamic parameter. Returns @_OK; or @_BAD_MODEL, and does nothing,\n"
+    "where an entry is not finite or beyond 1e20. A tick that lacks what is due is refused, with\n"
+    "the same status."
+)
+LEARNED = (
+    "Write the learnt arm, as it is after init, reset and each tick. For each link, one after the\n"
+    "other, ten dynamic parameters in the axes of its joint, in the order of Pinocchio\n"
+    "(Inertia::FromDynamicParameters): mass [kg]; its products with the centre's x, y, z [kg*m];\n"
+    "xx, xy, yy, xz, yz, zz of the inertia about the origin [kg*m^2]. For each joint the armature\n"
+    "[kg*m^2, kg]."
+)
 
 STOPS = (
     ("STOPPED", "a safe stop was asked for"),

@@ -42,6 +42,12 @@ HELPERS = {
 }
 """Short functions that stand for Python's own, by name: their head and their body."""
 
+AROUND = (
+    *("are_finite", "understood", "see", "follow", "begin_stop"),
+    *("is_due", "ready", "regressor_due", "give_regressor", "learned_model"),
+)
+"""Functions that are written around the kernels."""
+
 
 @dataclass
 class Function:
@@ -80,7 +86,7 @@ class Program:
         self.dialect = dialect
         self.functions: list[Function] = []
         self._found: dict[Hashable, Function | None] = {}
-        self._names: dict[str, int] = {}
+        self._names = dict.fromkeys(AROUND, 1)
         self._helpers: set[str] = set()
         self._tuples: dict[tuple[str, ...], str] = {}
 
@@ -193,8 +199,6 @@ class Program:
         plain = source.function.__name__
         name = f"{source.module}{plain}" if plain.startswith("_") else plain
         name = identifier(name)
-        if name in HELPERS:
-            name += "_"
         count = self._names[name] = self._names.get(name, 0) + 1
         return name if count == 1 else f"{name}_v{count}"
 

@@ -10,7 +10,7 @@ import fotsmc_pin as fp
 from fotsmc_pin.control import CONTROLLERS, PaperConditionWarning
 from fotsmc_pin.references import Sinusoid
 
-from .compiled_c import CompiledC, Logged
+from .compiled_c import CompiledC, LearningC, Logged
 
 DT = 1e-3
 CASES = [(law, [*law.presets][-1]) for law in CONTROLLERS.values()]
@@ -58,13 +58,18 @@ def compiled(tmp_path_factory):
     made = {}
 
     def compiled(controller, **options):
-        bare = getattr(controller, "controller", controller)
-        limits = ()
-        if bare is not controller:
-            limits = (controller._lead.duration, controller.stop_ramp, controller.compensates)
-        key = (repr(bare), type(controller), *limits, *options.items())
+        guarded = isinstance(controller, fp.Safeguard)
+        inner = controller.controller if guarded else controller
+        more = ()
+        if guarded:
+            more = (controller._lead.duration, controller.stop_ramp, controller.compensates)
+        learns = isinstance(inner, fp.ModelLearning)
+        if learns:
+            more += (inner._in_loop, inner._feeds, inner.prior.stribeck)
+        key = (repr(inner), guarded, *more, *options.items())
         if key not in made:
-            made[key] = CompiledC(controller, tmp_path_factory.mktemp("c"), **options)
+            kind = LearningC if learns else CompiledC
+            made[key] = kind(controller, tmp_path_factory.mktemp("c"), **options)
         made[key].init()
         return made[key]
 

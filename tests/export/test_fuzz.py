@@ -9,7 +9,7 @@ import fotsmc_pin as fp
 from fotsmc_pin.control import CONTROLLERS
 from fotsmc_pin.errors import ArgumentError
 
-from .compiled_c import terms
+from .compiled_c import pointers, terms
 from .conftest import DT, arm_named, make
 
 ARGUMENTS = ("q", "v", "q_d", "v_d", "a_d", "dt")
@@ -99,6 +99,65 @@ def test_any_model(name, single, compiled):
             assert status or good
             assert np.isfinite(tau).all()
             assert (np.abs(tau) <= arm.effort_limit * (1.0 + 1e-6 * single)).all()
+
+    runs()
+
+
+def learning_controller():
+    return fp.ModelLearning(fp.RobustFONFTSM(arm_named("two_link"), DT), bears=(0.3, 3.0))
+
+
+def test_what_learns(compiled):
+    controller = learning_controller()
+    c, limit = compiled(controller), controller.arm.effort_limit
+
+    @fuzz
+    @given(ticks)
+    def runs(rows):
+        controller.reset()
+        c.init()
+        c.believe()
+        for numbers, dt in rows * 6:  # Every fourth tick is learnt from.
+            row, code = np.reshape(numbers, (5, 2)), 0
+            try:
+                controller.update(*row, dt=dt)
+            except ArgumentError as error:
+                code = 1 + ARGUMENTS.index(error.argument)
+            regressor = c.regressor()
+            if regressor is not None:
+                assert c.give(c.state, *pointers(regressor)) == 0
+            before = bytes(c.state)
+            tau, status = c.update(*row, *c.terms(*row[:2], *row[3:]), dt)
+            assert status == code
+            assert (np.abs(tau) <= limit).all()
+            assert not status or bytes(c.state) == before
+            links, armature = c.believe()
+            assert np.isfinite(links).all()
+            assert (armature >= 0.0).all()
+
+    runs()
+
+
+def test_what_learns_from_anything(compiled):
+    controller = learning_controller()
+    c, limit = compiled(controller), controller.arm.effort_limit
+
+    @fuzz
+    @given(models, st.lists(anything, min_size=3, max_size=3), st.floats(1e-4, 1.0))
+    def runs(rows, entries, dt):
+        c.init()
+        for numbers, model in rows * 20:
+            regressor = np.resize([*numbers, *entries], (2, 20))
+            if c.regressor() is not None and c.give(c.state, *pointers(regressor)):
+                assert not (np.abs(regressor) <= 1e20).all()
+                assert c.give(c.state, *pointers(np.reshape([numbers * 4], (2, 20)))) == 0
+            row, M = np.reshape(numbers, (5, 2)), np.reshape(model[:4], (2, 2))
+            tau, status = c.update(*row, M, model[4:], model[4:], dt)
+            assert status in (0, BAD_MODEL)
+            assert (np.abs(tau) <= limit).all()
+            links, armature = c.believe()
+            assert np.isfinite(links).all()
+            assert (armature >= 0.0).all()
 
     runs()
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import fotsmc_pin as fp
 from fotsmc_pin.control import CONTROLLERS
 from fotsmc_pin.errors import ArgumentError
 
@@ -111,6 +112,9 @@ def test_the_model_is_not_asked_of_a_law_that_needs_none(compiled):
     assert worst(tau, inputs) < EXACT
 
 
-def test_another_compiler_takes_it_without_a_word(compiled, tmp_path):
-    c = compiled(make(CONTROLLERS["RobustFONFTSM"], arm_named("kinova")))
-    compile_shared([c.source], tmp_path / "x.so", *STRICT, compiler="clang")
+@pytest.mark.parametrize("single", [False, True])
+def test_another_compiler_takes_it_without_a_word(single, tmp_path):
+    law = make(CONTROLLERS["RobustFONFTSM"], arm_named("kinova"))
+    controller = law if single else fp.Safeguard(fp.ModelLearning(law))
+    _, source = fp.export_c(controller, tmp_path, single=single)
+    compile_shared([source], tmp_path / "x.o", *STRICT, "-O0", "-c", compiler="clang")
