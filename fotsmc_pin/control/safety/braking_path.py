@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,12 +26,19 @@ LONGEST = 0.5
 """The slowest braking, for an arm that is too weak to hold itself while it brakes [s]."""
 RISE = 0.15
 """Share of the braking time in which the deceleration rises, and in which it falls."""
+LADEN = 1.2
+"""Inertia that braking is planned for, over the nominal arm's: a payload may be there."""
+PEAK = LADEN / (1.0 - RISE)
+"""Torque that the height of the trapezium asks, over that of a constant deceleration."""
 ROOM, GENTLE = 0.2, 0.2
 """The way that a stop may well take [rad, m], and the time [s]: it is not harder than that."""
 EASING = 0.02
 """Time in which the acceleration at the start is faded out [s]."""
 LONGER, ROUNDS = 1.05, 60
 """Factor and number of the steps in which the times are lengthened."""
+HALVINGS, SWEEPS, SETTLED = 12, 60, 1e-3
+"""Steps of the search for the least way, sweeps over the joints in each, and the share of a limit
+by which a torque may exceed it."""
 TARGETS = ("v", "a", "duration")
 
 
@@ -38,8 +46,9 @@ class BrakingPath(SharesNothing):
     """The path on which a safe stop brakes.
 
     The deceleration of a joint rises, stays and falls, a trapezium over its time `T`, of height
-    `v0 / (0.85 T)`. Each joint has the shortest time with which the torques asked for are within
-    0.92 of the effort limits, or all have one, whichever moves them less. The acceleration at
+    `v0 / (0.85 T)`. The times are those with which the torques asked for are within 0.92 of the
+    effort limits, a fifth of inertia beyond the nominal arm's included, and the joint that moves
+    farthest moves least. The acceleration at
     the start, which is the motion's, is faded out over 20 ms, so that speed and acceleration have
     no step.
 
@@ -96,8 +105,9 @@ class BrakingPath(SharesNothing):
 def braking_times(M: Array, v: Array, load: Array, limit: Array, shortest: float, T: Array) -> None:
     """Write the time in which each joint can brake from `v` into `T` (nv,) [s].
 
-    A joint whose torque does not suffice is given longer; where that does not help, as the others'
-    braking asks it of the joint, all are.
+    The best of three: all joints have the same time; joints whose torque does not suffice are given
+    longer, and all where that does not help, as the others' braking asks it of the joint; joints
+    brake harder than they have to, where that relieves others.
 
     Args:
         M: mass matrix (nv, nv).
@@ -112,16 +122,97 @@ def braking_times(M: Array, v: Array, load: Array, limit: Array, shortest: float
         fastest = max(fastest, abs(v[i]))
     gentle = 2.0 * ROOM / max(fastest, 1e-9)
     start = min(max(shortest, gentle), max(shortest, GENTLE))
-    apart = np.zeros(v.size)
+    other = np.zeros(v.size)
     lengthened(M, v, load, limit, start, 0, T)
-    lengthened(M, v, load, limit, start, ROUNDS // 2, apart)
-    together_way, apart_way = 0.0, 0.0
+    lengthened(M, v, load, limit, start, ROUNDS // 2, other)
+    take_shorter(v, other, T)
+    helped = np.zeros(v.size)
     for i in range(v.size):
-        together_way = max(together_way, abs(v[i] * T[i]))
-        apart_way = max(apart_way, abs(v[i] * apart[i]))
-    if apart_way < together_way:
+        helped[i] = T[i]
+    relieved(M, v, load, limit, start, helped)
+    take_shorter(v, helped, T)
+
+
+@kernel
+def take_shorter(v: Array, other: Array, T: Array) -> None:
+    """Take other times over into `T` (nv,) if the joint that moves farthest then moves less."""
+    way, other_way = 0.0, 0.0
+    for i in range(v.size):
+        way, other_way = max(way, abs(v[i] * T[i])), max(other_way, abs(v[i] * other[i]))
+    if other_way < way:
         for i in range(v.size):
-            T[i] = apart[i]
+            T[i] = other[i]
+
+
+@kernel
+def relieved(M: Array, v: Array, load: Array, limit: Array, start: float, T: Array) -> None:
+    """Shorten the farthest way of the times `T` (nv,), all of them at least `start`, if possible.
+
+    Of a way `w` joint `i` asks a deceleration `d_i = |v_i| / T_i ≥ v_i² / (2 w)`; it may have more.
+    Bisection finds the least `w` for which there are some within the torque limits.
+    """
+    n, most = v.size, max(start, LONGEST)
+    d, lowest, asked = np.zeros(v.size), np.zeros(v.size), np.zeros(v.size)
+    fastest, longest = 0.0, 0.0
+    for i in range(n):
+        fastest, longest = max(fastest, abs(v[i])), max(longest, 0.5 * abs(v[i]) * T[i])
+    shortest = 0.5 * fastest * start
+    for _ in range(HALVINGS):
+        way = 0.5 * (shortest + longest)
+        for i in range(n):
+            size = abs(v[i])
+            lowest[i] = min(max(size / most, 0.5 * size * size / max(way, 1e-9)), size / start)
+            d[i] = lowest[i]
+        if suffices(M, v, load, limit, start, lowest, d, asked):
+            longest = way
+            for i in range(n):
+                T[i] = abs(v[i]) / max(d[i], 1e-9) if abs(v[i]) > 1e-9 else start
+        else:
+            shortest = way
+
+
+@kernel
+def suffices(
+    M: Array,
+    v: Array,
+    load: Array,
+    limit: Array,
+    start: float,
+    lowest: Array,
+    d: Array,
+    asked: Array,
+) -> bool:
+    """Raise decelerations `d` (nv,) above `lowest` until the torque suffices; whether it does.
+
+    Joint by joint, each takes a step that lessens the sum of squares of what is beyond the limits,
+    as shares of these. `asked` (nv,) is room for the torques.
+    """
+    n = v.size
+    for i in range(n):
+        asked[i] = load[i]
+        for j in range(n):
+            asked[i] -= PEAK * M[i, j] * math.copysign(d[j], v[j])
+    for _ in range(SWEEPS):
+        worst = 0.0
+        for i in range(n):
+            worst = max(worst, abs(asked[i]) / (SHARE * limit[i]) - 1.0)
+        if worst <= SETTLED:
+            return True
+        for j in range(n):
+            slope, bend = 0.0, 0.0
+            for i in range(n):
+                size = SHARE * limit[i]
+                beyond = asked[i] - min(max(asked[i], -size), size)
+                if beyond != 0.0:
+                    per = -PEAK * M[i, j] * math.copysign(1.0, v[j]) / size
+                    slope += per * beyond / size
+                    bend += per * per
+            if bend > 0.0:
+                step = min(max(d[j] - slope / bend, lowest[j]), abs(v[j]) / start) - d[j]
+                d[j] += step
+                for i in range(n):
+                    asked[i] -= PEAK * M[i, j] * math.copysign(1.0, v[j]) * step
+    return False
 
 
 @kernel
@@ -141,7 +232,7 @@ def lengthened(
         for i in range(n):
             asked = load[i]
             for j in range(n):
-                asked -= M[i, j] * (v[j] / ((1.0 - RISE) * T[j]))
+                asked -= PEAK * M[i, j] * v[j] / T[j]
             weak[i] = abs(asked) - SHARE * limit[i]
             worst = max(worst, weak[i])
         if not worst > 0.0:
