@@ -67,7 +67,7 @@ def largest_bandwidth(
         rotor: inertia on the motor's side, one number or (nv,) [kg·m²]; below that of the joint.
             The arm's armature by default; not for a `SpringObserver`.
         damping_ratio: of the spring between its two masses; not for a `SpringObserver`.
-        encoder: "motor" or "link": the side that is measured; "link" for a `SpringObserver`.
+        encoder: "motor" or "link": the side that is measured; not for a `SpringObserver`.
         delay: ticks of delay.
 
     Raises:
@@ -77,8 +77,9 @@ def largest_bandwidth(
     if not hasattr(controller.gains, "bandwidth"):
         raise ArgumentError("controller", name, "give a law with a gain `bandwidth`")
     if isinstance(controller, SpringObserver):
-        if joint_stiffness is not None or rotor is not None or encoder != "link":
-            remedy = "a SpringObserver has its own, with encoders on the links; leave it out"
+        own_side = encoder in ("link", controller.encoder)
+        if joint_stiffness is not None or rotor is not None or not own_side:
+            remedy = "a SpringObserver has its own; leave it out"
             raise ArgumentError("joint_stiffness, rotor or encoder", joint_stiffness, remedy)
         found = _observed_edge(controller, delay)
     else:
@@ -173,7 +174,7 @@ def warn_of_soft_joints(
     if not stable:
         name = getattr(controller, "label", type(controller).__name__)
         bare = not isinstance(controller, SpringObserver)
-        remedy = "wrap it in a SpringObserver, or " if bare and encoder == "link" else ""
+        remedy = f"wrap it in a SpringObserver for encoders on the {encoder}s, or " if bare else ""
         warn_user(
             f"{name} is too fast for the springs of {true.name} with encoders "
             f"on the {encoder} side; {remedy}lower its rates (`bandwidth`), see "

@@ -67,6 +67,9 @@ class _Tick:
         self._mass = np.array(self.arm.mass_matrix(self._neutral))
         self._kept = [part.copy() for part in self._parts]
         self._rest = np.zeros(self.arm.nv)
+        # The loop is that of torques within their limits, also where weight alone exceeds them.
+        self._limits = controller.joints.effort_limit.copy()
+        controller.joints.effort_limit[:] = np.inf
 
     def memory(self) -> Array:
         """Return all states; torques as accelerations, each of which belongs to one joint."""
@@ -88,6 +91,7 @@ class _Tick:
     def put_back(self) -> None:
         for part, kept in zip(self._parts, self._kept, strict=True):
             part[...] = kept
+        self.controller.joints.effort_limit[:] = self._limits
 
     def __call__(self, memory: Array, e: Array, ed: Array) -> tuple[Array, Array]:
         """Return the memory after a tick and the commanded acceleration `M0⁻¹ (τ - h0)`."""
@@ -109,7 +113,7 @@ def linearize(
     The real tick is run at the arm's neutral configuration with one state or one error changed at
     a time, up and down: central differences, whose size is that which the state has in a motion of
     `amplitude` at 20 rad/s. Counters, flags and whatever no error reaches or no torque sees are
-    left out. Smooth laws do not depend on `amplitude`; the slope of a power below 1, of a sign or
+    left out, and so are torque limits. Smooth laws do not depend on `amplitude`; the slope of a power below 1, of a sign or
     of a boundary layer is the secant over it. The controller is left as it was. The law in a
     `SpringObserver` is linearised so, and the observer, which is linear, is put before it.
 
@@ -120,7 +124,7 @@ def linearize(
         joints: indices of the joints that are wanted; all by default.
 
     Raises:
-        ArgumentError: the law does not have that form, or gravity exceeds an effort limit.
+        ArgumentError: the law does not have that form.
     """
     if isinstance(controller, SpringObserver):
         from fotsmc_pin.analysis.spring_loop import behind_springs
@@ -181,9 +185,6 @@ def _demand_form(tick: _Tick, memory: Array) -> None:
     """Raise where `τ` is not `M0 a_d + h0` at zero error."""
     arm, name = tick.arm, type(tick.controller).__name__
     rest, q = np.zeros(arm.nv), arm.neutral
-    if (np.abs(arm.gravity(q)) >= arm.effort_limit).any():
-        remedy = "its gravity exceeds an effort limit at the neutral configuration; raise the limit"
-        raise ArgumentError("controller", name, remedy)
     asked = np.full(arm.nv, 1e-3)
     tick.restore(memory)
     tau = tick.controller.update(q, rest, q, rest, asked)

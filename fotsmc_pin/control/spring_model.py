@@ -11,6 +11,7 @@ from fotsmc_pin.compiled import kernel
 from fotsmc_pin.control.rows import named_rows
 
 if TYPE_CHECKING:
+    from fotsmc_pin.control.spring_observer import SpringObserver
     from fotsmc_pin.types import Array
 
 SWING_DAMPING = 0.15
@@ -254,3 +255,20 @@ def observer_rates(dt: float, rotor: float, stiffness: float, damping: float) ->
     other = w * (-zeta - np.sqrt(complex(zeta * zeta - 1.0)))
     cap = LARGEST_SHARE / dt
     return np.array([swing, other, -min(IMPULSE_RATE, cap), -min(LOAD_RATE, cap)])
+
+
+def motor_constants(observer: SpringObserver, elastic: Array) -> Array:
+    """Return the rows of `SpringRows` of an observer, with the joints `elastic` (nv,)."""
+    table = np.zeros((len(SpringRows._fields), observer.arm.nv))
+    x = named_rows(table, SpringRows)
+    x.stiffness[:] = x.rotor[:] = 1.0
+    x.corner[:] = observer.corner
+    for i in np.flatnonzero(elastic):
+        numbers = (observer.rotor[i], observer.joint_stiffness[i], observer.joint_damping[i])
+        J, K, D = (float(number) for number in numbers)
+        if math.sqrt(K / J) * observer.dt > FASTEST_SWING:
+            continue
+        found = corrections(observer.dt, J, K, D, observer_rates(observer.dt, J, K, D))
+        x.elastic[i], x.rotor[i], x.stiffness[i], x.damping[i] = 1.0, J, K, D
+        x.to_impulse[i], x.to_deflection[i], x.to_speed[i], x.to_load[i] = found
+    return table
