@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 SMALLEST, LARGEST = 0.01, 2.0
 """Bandwidths between which an edge is looked for."""
-STEPS, BISECTIONS = 12, 6
+STEPS, BISECTIONS = 9, 6
 STEP_DOWN = 0.95
 OBSERVED_SHARE = 0.6
 """Share of `largest_bandwidth` at which a law is best run in a `SpringObserver`: on a whole arm
