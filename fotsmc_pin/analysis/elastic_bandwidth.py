@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import MappingProxyType
 from typing import TYPE_CHECKING, overload
 
 import numpy as np
@@ -15,7 +16,7 @@ from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.user_warnings import warn_user
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from numpy.typing import ArrayLike
 
@@ -28,10 +29,11 @@ SMALLEST, LARGEST = 0.01, 2.0
 """Bandwidths between which an edge is looked for."""
 STEPS, BISECTIONS = 9, 6
 STEP_DOWN = 0.95
-OBSERVED_SHARE = 0.6
-"""Share of `largest_bandwidth` at which a law is best run in a `SpringObserver`: on a whole arm
-springs shake each other, and near the edge noise of the sensors becomes a rattling torque."""
 SIDES = ("motor", "link")
+OBSERVED_SHARE: Mapping[str, float] = MappingProxyType({"link": 0.6, "motor": 0.8})
+"""Share of `largest_bandwidth` at which a law is best run in a `SpringObserver`, by the side of the
+encoders: on a whole arm springs shake each other, and near the edge noise of encoders on the links
+becomes a rattling torque."""
 LINKS = (0.7, 1.0, 1.4, 2.0)
 """True over nominal inertia on the link's side, with each of which a loop must be stable where a
 `SpringObserver` takes the link's model for its estimate."""

@@ -21,7 +21,7 @@ LINK_SHARE = 0.3
 With all of it, a link that is lighter than believed turns the sign in which the law meets the
 swing of motor against link; with none, the law meets the rotor alone where it is fast.
 """
-LINK_NOISE, DRIFT = 0.2, 12.0
+LINK_NOISE, DRIFT = 0.2, 4.5
 """Accelerations of a link that the model does not explain over those of its motor, which has the
 friction, and how fast they drift [1/s]: the weights of the observer's Kalman filter."""
 SPEED_NOISE = 0.01

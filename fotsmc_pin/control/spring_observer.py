@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 MEMORY = ("_state", "_sent")
 LINKED = {"_q", "_v", "_links", "_data", "_M", "_h", "_signals", "_arguments", "_code"}
 """What only refers to the arrays or is made from the arm; no copy takes it along."""
-CORNERS = {"link": 3.0, "motor": 6.0}
+CORNERS = {"link": 3.0, "motor": 9.0}
 """Rate below which the measured side is followed, by the side [1/s]."""
 USUAL_DAMPING = 0.02
 """Damping ratio of a motor on its spring, where it is not given."""
@@ -118,7 +118,7 @@ class SpringObserver(Wrapper):
                 armature if None.
             delay: ticks from a torque to the drive.
             corner: `c`, rate below which the measured side is followed [1/s]; None for 3 with
-                encoders on the links, 6 on the motors.
+                encoders on the links, 9 on the motors.
 
         Raises:
             ArgumentError: naming the argument, its value and the remedy.

@@ -1,6 +1,7 @@
 """An observed spring and its law as one linear loop, against simulation of a cart on a spring."""
 
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -44,25 +45,25 @@ def cart(tmp_path_factory):
     return load
 
 
-def observed(arm, bandwidth=0.5, delay=1):
+def observed(arm, bandwidth=0.5, delay=1, encoder="link"):
     law = fp.RobustFONFTSM(
         arm, DT, bandwidth=bandwidth, integral=0.0, rotor_limit=0.0, floor_share=0.0
     )
-    return fp.SpringObserver(law, K, joint_damping=DAMPING, delay=delay)
+    return fp.SpringObserver(law, K, encoder=encoder, joint_damping=DAMPING, delay=delay)
 
 
-def swings(cart, ratio, delay):
+def swings(cart, ratio, delay, encoder):
     """Largest speed in the second and in the last quarter of a hold [m/s]."""
     true = fp.perturb(cart(ratio), joint_stiffness=K, joint_damping=DAMPING)
     arm = cart()
     rec = simulate(
         true,
-        observed(arm, delay=delay),
+        observed(arm, delay=delay, encoder=encoder),
         Hold(arm),
         4.0,
-        q0=[1e-4],
+        q0=[1e-4 if encoder == "link" else 1e-2],  # a motor that hardly moves counts as standing
         substeps=10,
-        encoder="link",
+        encoder=encoder,
         actuator=TickDelay(delay),
     )
     v = np.abs(rec.v_motor)
@@ -70,14 +71,36 @@ def swings(cart, ratio, delay):
     return v[n : 2 * n].max(), v[-n:].max()
 
 
+@pytest.mark.parametrize("encoder", ["link", "motor"])
 @pytest.mark.parametrize("delay", [1, 2])
-def test_the_loop_is_lost_where_the_margins_say(cart, delay):
-    found = margins(observed(cart(), delay=delay), delay)
+def test_the_loop_is_lost_where_the_margins_say(cart, delay, encoder):
+    found = margins(observed(cart(), delay=delay, encoder=encoder), delay)
     assert found.lowest < 0.7 < 2.0 < found.highest < 100.0
-    earlier, last = swings(cart, 0.9 * found.highest, delay)
+    earlier, last = swings(cart, 0.9 * found.highest, delay, encoder)
     assert last < earlier
-    earlier, last = swings(cart, 1.1 * found.highest, delay)
+    earlier, last = swings(cart, 1.1 * found.highest, delay, encoder)
     assert last > earlier
+
+
+@pytest.mark.parametrize("rotor", [0.5, 1.0, 2.0])
+@pytest.mark.parametrize("delay", [1, 2])
+def test_on_the_motors_it_bears_light_rotors_and_soft_springs(cart, rotor, delay):
+    """A rotor of a twentieth: the bare law meets it where it is fast, and feeds a soft spring."""
+    arm = cart(19.0 / 16.0)  # the whole is 0.95 + 0.2; the rotors below are what is behind the law
+    law = fp.RobustFONFTSM(arm, DT, bandwidth=0.7, rotor_limit=0.0, floor_share=0.0)
+    small, soft = 0.06, 0.06 * 141.0**2
+    observer = fp.SpringObserver(law, soft, encoder="motor", rotor=small, delay=delay)
+    (loop,), (bare,) = linearize(observer), linearize(law)
+    share = loop.joint.rotor
+    for link in (0.7, 1.0, 1.4, 2.0):
+        true = replace(loop.joint.loaded(link))
+        changed = replace(
+            true,
+            mass=true.mass + (rotor - 1.0) * share * loop.joint.mass,
+            rotor=rotor * share * loop.joint.mass / (true.mass + (rotor - 1.0) * share * loop.joint.mass),
+        )
+        assert is_stable(loop, changed, delay)
+    assert not is_stable(bare, loop.joint, delay)
 
 
 def test_with_the_right_model_errors_of_the_estimate_keep_their_rates(cart):
