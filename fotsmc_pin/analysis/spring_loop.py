@@ -29,7 +29,7 @@ motor that stands: the loop is that of a motor that moves."""
 def behind_springs(
     observer: SpringObserver, laws: Sequence[LinearLaw], joints: Sequence[int] | None
 ) -> tuple[LinearLaw, ...]:
-    """Return the laws as seen from the encoders, each with the joint that the observer takes it for.
+    """Return the laws as seen from the encoders, each with the joint that it is taken for.
 
     The states are the law's, the observer's and the torques on their way. The observer's matrices
     are read off its own compiled tick, at unit states and inputs; it is linear, so this is exact.
@@ -101,14 +101,14 @@ def _observer(
     lead, still, mass = np.zeros((2, 1)), np.zeros(1), np.array([[link]])
     before: Any = named_rows(state, names)
     after: Any = named_rows(later, names)
-    if observer.encoder == "link":
-        x = named_rows(table, SpringRows)
+    on_links = observer.encoder == "link"
+    x: Any = named_rows(table, SpringRows if on_links else LinkRows)
+    tick: Any = observe if on_links else observe_links
+    scratch = () if on_links else (np.zeros((1, 1)),)
+    if on_links:
         for row in (x.to_deflection, x.to_speed):  # per impulse
             row *= inertia
-        tick, scratch = observe, ()
     else:
-        x = named_rows(table, LinkRows)
-        tick, scratch = observe_links, (np.zeros((1, 1)),)
         before.fastest[:] = MOVES
     for row in (x.rotor, x.stiffness, x.damping):
         row /= inertia

@@ -187,7 +187,10 @@ def observe_links(
     solve(scratch, change)
 
     # What the motor's own equation leaves of its change of speed corrects δ, v and a.
-    smoothing, stilling = SMOOTHING * dt / (1.0 + SMOOTHING * dt), STILLING * dt / (1.0 + STILLING * dt)
+    smoothing, stilling = (
+        SMOOTHING * dt / (1.0 + SMOOTHING * dt),
+        STILLING * dt / (1.0 + STILLING * dt),
+    )
     for i in range(n):
         t.smooth[i] = s.smooth[i] + smoothing * (omega[i] - s.smooth[i])
         t.fastest[i] = max(abs(t.smooth[i]), s.fastest[i] / (1.0 + FORGETTING * dt))

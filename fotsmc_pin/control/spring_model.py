@@ -28,6 +28,8 @@ The bandwidth that is borne does not depend on the first between 100/s and 600/s
 between 2/s and 20/s. They stay at most this share of the rate at which ticks follow:
 """
 LARGEST_SHARE = 0.5
+USUAL_DAMPING = 0.02
+"""Damping ratio of a motor on its spring, where it is not given."""
 FASTEST_SWING = 2.0
 """Phase by which a motor may swing on its spring in a tick [rad]; faster, the joint is rigid."""
 
@@ -255,6 +257,12 @@ def observer_rates(dt: float, rotor: float, stiffness: float, damping: float) ->
     other = w * (-zeta - np.sqrt(complex(zeta * zeta - 1.0)))
     cap = LARGEST_SHARE / dt
     return np.array([swing, other, -min(IMPULSE_RATE, cap), -min(LOAD_RATE, cap)])
+
+
+def usual_damping(stiffness: Array, rotor: Array) -> Array:
+    """Return the damping of springs of which none is stated, (nv,) [N·m·s/rad, N·s/m]."""
+    K = np.where(np.isfinite(stiffness), stiffness, 0.0)
+    return np.asarray(2.0 * USUAL_DAMPING * np.sqrt(K * rotor))
 
 
 def motor_constants(observer: SpringObserver, elastic: Array) -> Array:

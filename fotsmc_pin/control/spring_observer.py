@@ -1,4 +1,4 @@
-"""`SpringObserver`: any controller on elastic joints, with encoders on either side of the springs."""
+"""`SpringObserver`: any controller on elastic joints, with encoders on either side."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from fotsmc_pin.control.controller import LONGEST_TICK, SHORTEST_TICK, Controlle
 from fotsmc_pin.control.link_model import LinkState, link_constants, observe_links
 from fotsmc_pin.control.rows import Joints, named_rows
 from fotsmc_pin.control.saved_state import part, present, with_prefix
-from fotsmc_pin.control.spring_model import SpringState, motor_constants, observe
+from fotsmc_pin.control.spring_model import SpringState, motor_constants, observe, usual_damping
 from fotsmc_pin.control.wrapper import Wrapper
 from fotsmc_pin.errors import ArgumentError
 
@@ -30,32 +30,28 @@ LINKED = {"_q", "_v", "_links", "_data", "_M", "_h", "_signals", "_arguments", "
 """What only refers to the arrays or is made from the arm; no copy takes it along."""
 CORNERS = {"link": 3.0, "motor": 9.0}
 """Rate below which the measured side is followed, by the side [1/s]."""
-USUAL_DAMPING = 0.02
-"""Damping ratio of a motor on its spring, where it is not given."""
 
 
 class SpringObserver(Wrapper):
     """Wraps a controller: it works with the side of elastic joints that it bears, by an estimate.
 
     **Encoders on the links.** The spring lies inside the loop and turns its phase where a law is
-    fast: only slow laws are stable. This observer runs the motor's own equation with the torque
-    that acted, and the spring and rotor that the maker states:
+    fast. This observer runs the motor's own equation with the torque that acted:
 
         δ̇ = ω - v,   J ω̇ = τ - K δ - D (ω - v),   π̇ = K δ + D (ω - v) + d - (M0 v̇ + C0 v + G0)
 
     `π` is the impulse that the model foresees for the link, without its rotor, beyond the measured
-    one: a momentum observer. `d` is what the model does not know, such as weight. All four are
-    corrected by `π` so that errors decay at rates that the sampled loop bears (`observer_rates`).
-    The controller is given
+    one; `d` is what the model does not know. All four are corrected by `π` (`observer_rates`). The
+    controller is given
 
         q ⊕ (δ - δ_s),   ω - c (δ - δ_s),   δ̇_s = c (δ - δ_s)
 
-    in place of `q` and `v`: fast motions are the motor's, and what lasts is the link's, so that at
-    rest the links are where the reference is.
+    in place of `q` and `v`: fast motions are the motor's, what lasts is the link's, and at rest the
+    links are where the reference is.
 
-    **Encoders on the motors.** Where a law is fast it moves the rotor alone, which may be a tenth
-    of the inertia that it reckons with; and where links swing on motors that are held, the law's
-    integrals feed the swing. This observer runs the equation of the links, with the measured `ω`:
+    **Encoders on the motors.** Where a law is fast it moves the rotor alone, a tenth of what it
+    reckons with; and its integrals feed the swing of a link whose motor it holds. This observer
+    runs the equation of the links, with the measured `ω`:
 
         δ̇ = ω - v,   M0 v̇ = K δ + D (ω - v) - C0 v - G0 + d,   d = M0 a
 
@@ -64,8 +60,9 @@ class SpringObserver(Wrapper):
 
         q ⊖ (x - x_J),   ω - (ẋ - ẋ_J),   x_J = (J + ε M0)⁻¹ J x,   ε = 0.3
 
-    Slow motions are the motor's; what is fast moves like an inertia of `J + ε M0`, of which the
-    spring hides nothing. At rest the motors are where the reference is.
+    Slow motions are the motor's; fast ones are those of an inertia `J + ε M0`, of which the spring
+    hides nothing. A motor that stands tells nothing of its link, since friction takes what the
+    spring does not: there nothing is corrected. At rest the motors are where the reference is.
 
     Rigid joints pass through, and so do those whose motors swing by more than 2 rad in a tick.
 
@@ -133,8 +130,7 @@ class SpringObserver(Wrapper):
         own = self.arm.armature if rotor is None else rotor
         self.rotor = checks.per_joint("rotor", own, n, at_least=0.0)
         if joint_damping is None:
-            K = np.where(np.isfinite(self.joint_stiffness), self.joint_stiffness, 0.0)
-            joint_damping = 2.0 * USUAL_DAMPING * np.sqrt(K * self.rotor)
+            joint_damping = usual_damping(self.joint_stiffness, self.rotor)
         self.joint_damping = checks.per_joint("joint_damping", joint_damping, n, at_least=0.0)
         self.delay = checks.count("delay", delay, at_least=0)
         self.encoder = checks.choice("encoder", encoder, [*CORNERS])
@@ -178,15 +174,9 @@ class SpringObserver(Wrapper):
 
     def around(self, controller: Any) -> SpringObserver:
         """Return a new observer of the same springs around another controller."""
-        return SpringObserver(
-            controller,
-            self.joint_stiffness,
-            encoder=self.encoder,
-            joint_damping=self.joint_damping,
-            rotor=self.rotor,
-            delay=self.delay,
-            corner=self.corner,
-        )
+        names = ("encoder", "joint_damping", "rotor", "delay", "corner")
+        given: Any = {name: getattr(self, name) for name in names}
+        return SpringObserver(controller, self.joint_stiffness, **given)
 
     def joint_constants(self, joint: int) -> Array:
         """Return what is known of a joint, the rows of `SpringRows` or `LinkRows`."""
@@ -217,8 +207,8 @@ class SpringObserver(Wrapper):
     ) -> Array:
         """Advance by one tick; arguments, result and errors are those of `Controller.update`.
 
-        `q` and `v` are those of the side that is measured. After a measurement that is not usable, observer and
-        controller are as they were.
+        `q` and `v` are those of the side that is measured. After a measurement that is not usable,
+        observer and controller are as they were.
         """
         nq, nv = self.arm.nq, self.arm.nv
         given: tuple[Any, ...] = (q, v, q_d, v_d, a_d)

@@ -45,9 +45,7 @@ def fitted_to_springs(
     if not np.isfinite(true.joint_stiffness).any():
         return controller
     warn_of_soft_joints(controller, true, encoder=side, delay=scenario.delay)
-    observer = SpringObserver(
-        controller, true.joint_stiffness, encoder=side, delay=scenario.delay
-    )
+    observer = SpringObserver(controller, true.joint_stiffness, encoder=side, delay=scenario.delay)
     made = getattr(controller.gains, "bandwidth", None)
     if made is None:
         return observer

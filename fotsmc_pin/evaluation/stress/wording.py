@@ -84,8 +84,8 @@ def _springs(case: Case, nominal: Arm) -> str:
     springs = case.stiffness * drive_size(nominal)
     return (
         f"Joint stiffness limit × {case.stiffness:g}/rad: {_list(springs)} N·m/rad, damping ratio "
-        f"{SPRING_DAMPING:g} of the motor on it; encoders on the {case.encoder} side; around the law "
-        "is a SpringObserver that knows the stiffness and the nominal rotors."
+        f"{SPRING_DAMPING:g} of the motor on it; encoders on the {case.encoder} side; around the "
+        "law is a SpringObserver that knows the stiffness and the nominal rotors."
     )
 
 
