@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import MappingProxyType
 from typing import TYPE_CHECKING, overload
 
 import numpy as np
@@ -15,7 +16,7 @@ from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.user_warnings import warn_user
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from numpy.typing import ArrayLike
 
@@ -26,12 +27,13 @@ if TYPE_CHECKING:
 
 SMALLEST, LARGEST = 0.01, 2.0
 """Bandwidths between which an edge is looked for."""
-STEPS, BISECTIONS = 12, 6
+STEPS, BISECTIONS = 9, 6
 STEP_DOWN = 0.95
-OBSERVED_SHARE = 0.6
-"""Share of `largest_bandwidth` at which a law is best run in a `SpringObserver`: on a whole arm
-springs shake each other, and near the edge noise of the sensors becomes a rattling torque."""
 SIDES = ("motor", "link")
+OBSERVED_SHARE: Mapping[str, float] = MappingProxyType({"link": 0.6, "motor": 0.8})
+"""Share of `largest_bandwidth` at which a law is best run in a `SpringObserver`, by the side of the
+encoders: on a whole arm springs shake each other, and near the edge noise of encoders on the links
+becomes a rattling torque."""
 LINKS = (0.7, 1.0, 1.4, 2.0)
 """True over nominal inertia on the link's side, with each of which a loop must be stable where a
 `SpringObserver` takes the link's model for its estimate."""
@@ -67,7 +69,7 @@ def largest_bandwidth(
         rotor: inertia on the motor's side, one number or (nv,) [kg·m²]; below that of the joint.
             The arm's armature by default; not for a `SpringObserver`.
         damping_ratio: of the spring between its two masses; not for a `SpringObserver`.
-        encoder: "motor" or "link": the side that is measured; "link" for a `SpringObserver`.
+        encoder: "motor" or "link": the side that is measured; not for a `SpringObserver`.
         delay: ticks of delay.
 
     Raises:
@@ -77,8 +79,9 @@ def largest_bandwidth(
     if not hasattr(controller.gains, "bandwidth"):
         raise ArgumentError("controller", name, "give a law with a gain `bandwidth`")
     if isinstance(controller, SpringObserver):
-        if joint_stiffness is not None or rotor is not None or encoder != "link":
-            remedy = "a SpringObserver has its own, with encoders on the links; leave it out"
+        own_side = encoder in ("link", controller.encoder)
+        if joint_stiffness is not None or rotor is not None or not own_side:
+            remedy = "a SpringObserver has its own; leave it out"
             raise ArgumentError("joint_stiffness, rotor or encoder", joint_stiffness, remedy)
         found = _observed_edge(controller, delay)
     else:
@@ -173,7 +176,7 @@ def warn_of_soft_joints(
     if not stable:
         name = getattr(controller, "label", type(controller).__name__)
         bare = not isinstance(controller, SpringObserver)
-        remedy = "wrap it in a SpringObserver, or " if bare and encoder == "link" else ""
+        remedy = f"wrap it in a SpringObserver for encoders on the {encoder}s, or " if bare else ""
         warn_user(
             f"{name} is too fast for the springs of {true.name} with encoders "
             f"on the {encoder} side; {remedy}lower its rates (`bandwidth`), see "

@@ -63,39 +63,51 @@ class _Tick:
             controller.joints.tau,
         ]
         self._neutral = np.array(self.arm.neutral)  # Compiled calls are slow on a read-only array.
-        self._torques = [getattr(controller.state, name) for name in controller.torque_rows]
+        torques = [getattr(controller.state, name) for name in controller.torque_rows]
+        self._holds_torques = [any(part is torque for torque in torques) for part in self._parts]
         self._mass = np.array(self.arm.mass_matrix(self._neutral))
         self._kept = [part.copy() for part in self._parts]
         self._rest = np.zeros(self.arm.nv)
+        # The loop is that of torques within their limits, also where weight alone exceeds them.
+        self._limits = controller.joints.effort_limit.copy()
+        controller.joints.effort_limit[:] = np.inf
 
     def memory(self) -> Array:
         """Return all states; torques as accelerations, each of which belongs to one joint."""
-        return np.concatenate([self._by_joint(part).ravel() for part in self._parts])
+        return np.concatenate(
+            [
+                np.linalg.solve(self._mass, part) if holds_torques else part.ravel()
+                for part, holds_torques in zip(self._parts, self._holds_torques, strict=True)
+            ]
+        )
 
     def restore(self, memory: Array) -> None:
         start = 0
-        for part in self._parts:
+        for part, holds_torques in zip(self._parts, self._holds_torques, strict=True):
             row = memory[start : start + part.size].reshape(part.shape)
-            part[...] = self._mass @ row if self._is_torque(part) else row
+            part[...] = self._mass @ row if holds_torques else row
             start += part.size
-
-    def _by_joint(self, part: Array) -> Array:
-        return np.array(np.linalg.solve(self._mass, part)) if self._is_torque(part) else part
-
-    def _is_torque(self, part: Array) -> bool:
-        return any(part is torque for torque in self._torques)
 
     def put_back(self) -> None:
         for part, kept in zip(self._parts, self._kept, strict=True):
             part[...] = kept
+        self.controller.joints.effort_limit[:] = self._limits
+
+    def advance(self, e: Array, ed: Array) -> tuple[Array, Array]:
+        """Go on by a tick from the memory as it is; return `q` and the torque."""
+        q = self.arm.integrate(self._neutral, e)
+        return q, self.controller.update(q, ed, self._neutral, self._rest, self._rest)
+
+    def acceleration(self, e: Array, ed: Array) -> Array:
+        """Go on from the memory as it is; return the commanded acceleration `M0⁻¹ (τ - h0)`."""
+        q, tau = self.advance(e, ed)
+        h0 = self.arm.inverse_dynamics(q, ed, self._rest)
+        return np.linalg.solve(self.arm.mass_matrix(q), tau - h0).astype(np.float64)
 
     def __call__(self, memory: Array, e: Array, ed: Array) -> tuple[Array, Array]:
-        """Return the memory after a tick and the commanded acceleration `M0⁻¹ (τ - h0)`."""
+        """Return the memory after a tick and the commanded acceleration."""
         self.restore(memory)
-        q = self.arm.integrate(self._neutral, e)
-        tau = self.controller.update(q, ed, self._neutral, self._rest, self._rest)
-        h0 = self.arm.inverse_dynamics(q, ed, self._rest)
-        u = np.linalg.solve(self.arm.mass_matrix(q), tau - h0).astype(np.float64)
+        u = self.acceleration(e, ed)
         return self.memory(), u
 
 
@@ -109,9 +121,10 @@ def linearize(
     The real tick is run at the arm's neutral configuration with one state or one error changed at
     a time, up and down: central differences, whose size is that which the state has in a motion of
     `amplitude` at 20 rad/s. Counters, flags and whatever no error reaches or no torque sees are
-    left out. Smooth laws do not depend on `amplitude`; the slope of a power below 1, of a sign or
-    of a boundary layer is the secant over it. The controller is left as it was. The law in a
-    `SpringObserver` is linearised so, and the observer, which is linear, is put before it.
+    left out, and so are torque limits. Smooth laws do not depend on `amplitude`; the slope of a
+    power below 1, of a sign or of a boundary layer is the secant over it. The controller is left as
+    it was. The law in a `SpringObserver` is linearised so, and the observer, which is linear, is
+    put before it.
 
     Args:
         controller: a law that multiplies a commanded acceleration with the nominal mass matrix,
@@ -120,7 +133,7 @@ def linearize(
         joints: indices of the joints that are wanted; all by default.
 
     Raises:
-        ArgumentError: the law does not have that form, or gravity exceeds an effort limit.
+        ArgumentError: the law does not have that form.
     """
     if isinstance(controller, SpringObserver):
         from fotsmc_pin.analysis.spring_loop import behind_springs
@@ -153,11 +166,11 @@ def linearize(
 def _answers(tick: _Tick, memory: Array, amplitude: float) -> Array:
     """Commanded accelerations while all joints have one and the same small error, (ticks, nv)."""
     answers, all_joints = [], np.ones(tick.arm.nv)
+    tick.restore(memory)
     for k in range(ALIKE_TICKS):
         phase = PROBE_RATE * k * tick.controller.dt
         e, ed = amplitude * np.sin(phase), amplitude * PROBE_RATE * np.cos(phase)
-        memory, u = tick(memory, e * all_joints, ed * all_joints)
-        answers.append(u)
+        answers.append(tick.acceleration(e * all_joints, ed * all_joints))
     return np.array(answers)
 
 
@@ -181,9 +194,6 @@ def _demand_form(tick: _Tick, memory: Array) -> None:
     """Raise where `τ` is not `M0 a_d + h0` at zero error."""
     arm, name = tick.arm, type(tick.controller).__name__
     rest, q = np.zeros(arm.nv), arm.neutral
-    if (np.abs(arm.gravity(q)) >= arm.effort_limit).any():
-        remedy = "its gravity exceeds an effort limit at the neutral configuration; raise the limit"
-        raise ArgumentError("controller", name, remedy)
     asked = np.full(arm.nv, 1e-3)
     tick.restore(memory)
     tau = tick.controller.update(q, rest, q, rest, asked)
@@ -231,12 +241,13 @@ def _joint(tick: _Tick, memory: Array, joint: int, amplitude: float) -> LinearLa
 
 def _scales(tick: _Tick, memory: Array, unit: Array, amplitude: float) -> Array:
     """RMS of what each state moves by in a small motion of one joint; 0 for those that count."""
-    rest, states = memory, []
+    states = []
+    tick.restore(memory)
     for k in range(PROBE_TICKS):
         phase = PROBE_RATE * k * tick.controller.dt
         e, ed = amplitude * np.sin(phase), amplitude * PROBE_RATE * np.cos(phase)
-        memory, _ = tick(memory, e * unit, ed * unit)
-        states.append(memory - rest)
+        tick.advance(e * unit, ed * unit)
+        states.append(tick.memory() - memory)
     moved = np.array(states)
     scale = np.sqrt(np.mean(moved**2, axis=0))
     counts = (np.diff(moved, axis=0) == 1.0).all(axis=0)

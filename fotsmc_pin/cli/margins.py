@@ -28,7 +28,7 @@ ROTORS = (400.0, 200.0, 100.0, 50.0)
 SIDES = ("motor", "link")
 SHARE = 0.8
 """Share of the largest bandwidth that is proposed: on a whole arm springs shake each other."""
-OBSERVED = "link side, with a SpringObserver"
+OBSERVED = " side, with a SpringObserver"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,7 +90,7 @@ def margins_command(
     for one in asked:
         say(_verdict(loops, one, nominal))
     for side, value in bandwidths.items():
-        place = side if side == OBSERVED else f"{side} side"
+        place = side if side.endswith(OBSERVED) else f"{side} side"
         say(f"Encoders on the {place}: {_bandwidth_words(value, controller, side)}")
     if folder is not None:
         _write(folder, loops, asked, bandwidths)
@@ -231,20 +231,21 @@ def _bandwidths(
             if "no bandwidth" not in str(error):
                 raise
             found[side] = None
-    try:
-        observer = SpringObserver(controller, k, delay=delay)
-        found[OBSERVED] = largest_bandwidth(observer, delay=delay)
-    except ArgumentError as error:
-        if "no bandwidth" not in str(error):
-            raise
-        found[OBSERVED] = None
+    for side in SIDES:
+        try:
+            observer = SpringObserver(controller, k, encoder=side, delay=delay)
+            found[f"{side}{OBSERVED}"] = largest_bandwidth(observer, delay=delay)
+        except ArgumentError as error:
+            if "no bandwidth" not in str(error):
+                raise
+            found[f"{side}{OBSERVED}"] = None
     return found
 
 
 def _bandwidth_words(value: float | None, controller: Controller[Any], side: str) -> str:
     from fotsmc_pin.analysis import OBSERVED_SHARE
 
-    share = OBSERVED_SHARE if side == OBSERVED else SHARE
+    share = OBSERVED_SHARE[side.split()[0]] if side.endswith(OBSERVED) else SHARE
     if value is None:
         return "no bandwidth is stable."
     given = controller.gains.bandwidth

@@ -11,6 +11,7 @@ from fotsmc_pin.compiled import kernel
 from fotsmc_pin.control.rows import named_rows
 
 if TYPE_CHECKING:
+    from fotsmc_pin.control.spring_observer import SpringObserver
     from fotsmc_pin.types import Array
 
 SWING_DAMPING = 0.15
@@ -27,6 +28,8 @@ The bandwidth that is borne does not depend on the first between 100/s and 600/s
 between 2/s and 20/s. They stay at most this share of the rate at which ticks follow:
 """
 LARGEST_SHARE = 0.5
+USUAL_DAMPING = 0.02
+"""Damping ratio of a motor on its spring, where it is not given."""
 FASTEST_SWING = 2.0
 """Phase by which a motor may swing on its spring in a tick [rad]; faster, the joint is rigid."""
 
@@ -254,3 +257,26 @@ def observer_rates(dt: float, rotor: float, stiffness: float, damping: float) ->
     other = w * (-zeta - np.sqrt(complex(zeta * zeta - 1.0)))
     cap = LARGEST_SHARE / dt
     return np.array([swing, other, -min(IMPULSE_RATE, cap), -min(LOAD_RATE, cap)])
+
+
+def usual_damping(stiffness: Array, rotor: Array) -> Array:
+    """Return the damping of springs of which none is stated, (nv,) [N·m·s/rad, N·s/m]."""
+    K = np.where(np.isfinite(stiffness), stiffness, 0.0)
+    return np.asarray(2.0 * USUAL_DAMPING * np.sqrt(K * rotor))
+
+
+def motor_constants(observer: SpringObserver, elastic: Array) -> Array:
+    """Return the rows of `SpringRows` of an observer, with the joints `elastic` (nv,)."""
+    table = np.zeros((len(SpringRows._fields), observer.arm.nv))
+    x = named_rows(table, SpringRows)
+    x.stiffness[:] = x.rotor[:] = 1.0
+    x.corner[:] = observer.corner
+    for i in np.flatnonzero(elastic):
+        numbers = (observer.rotor[i], observer.joint_stiffness[i], observer.joint_damping[i])
+        J, K, D = (float(number) for number in numbers)
+        if math.sqrt(K / J) * observer.dt > FASTEST_SWING:
+            continue
+        found = corrections(observer.dt, J, K, D, observer_rates(observer.dt, J, K, D))
+        x.elastic[i], x.rotor[i], x.stiffness[i], x.damping[i] = 1.0, J, K, D
+        x.to_impulse[i], x.to_deflection[i], x.to_speed[i], x.to_load[i] = found
+    return table

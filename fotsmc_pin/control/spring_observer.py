@@ -1,8 +1,7 @@
-"""`SpringObserver`: any controller on elastic joints with encoders on the links."""
+"""`SpringObserver`: any controller on elastic joints, with encoders on either side."""
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,16 +11,10 @@ from fotsmc_pin import checks
 from fotsmc_pin.compiled import specialized
 from fotsmc_pin.control.arguments import cleaned_arguments, read_arguments
 from fotsmc_pin.control.controller import LONGEST_TICK, SHORTEST_TICK, Controller
+from fotsmc_pin.control.link_model import LinkState, link_constants, observe_links
 from fotsmc_pin.control.rows import Joints, named_rows
 from fotsmc_pin.control.saved_state import part, present, with_prefix
-from fotsmc_pin.control.spring_model import (
-    FASTEST_SWING,
-    SpringRows,
-    SpringState,
-    corrections,
-    observe,
-    observer_rates,
-)
+from fotsmc_pin.control.spring_model import SpringState, motor_constants, observe, usual_damping
 from fotsmc_pin.control.wrapper import Wrapper
 from fotsmc_pin.errors import ArgumentError
 
@@ -35,30 +28,43 @@ if TYPE_CHECKING:
 MEMORY = ("_state", "_sent")
 LINKED = {"_q", "_v", "_links", "_data", "_M", "_h", "_signals", "_arguments", "_code"}
 """What only refers to the arrays or is made from the arm; no copy takes it along."""
-USUAL_DAMPING = 0.02
-"""Damping ratio of a motor on its spring, where it is not given."""
+CORNERS = {"link": 3.0, "motor": 9.0}
+"""Rate below which the measured side is followed, by the side [1/s]."""
 
 
 class SpringObserver(Wrapper):
-    """Wraps a controller: it works with the motors' positions, estimated from the links'.
+    """Wraps a controller: it works with the side of elastic joints that it bears, by an estimate.
 
-    With encoders on the links of elastic joints the spring lies inside the loop and turns its phase
-    where a law is fast: only slow laws are stable. With encoders on the motors it does not. This
-    observer runs the motor's own equation with the torque that acted, and the spring and rotor
-    that the maker states:
+    **Encoders on the links.** The spring lies inside the loop and turns its phase where a law is
+    fast. This observer runs the motor's own equation with the torque that acted:
 
         δ̇ = ω - v,   J ω̇ = τ - K δ - D (ω - v),   π̇ = K δ + D (ω - v) + d - (M0 v̇ + C0 v + G0)
 
     `π` is the impulse that the model foresees for the link, without its rotor, beyond the measured
-    one: a momentum observer. `d` is what the model does not know, such as weight. All four are
-    corrected by `π` so that errors decay at rates that the sampled loop bears (`observer_rates`).
-    The controller is given
+    one; `d` is what the model does not know. All four are corrected by `π` (`observer_rates`). The
+    controller is given
 
         q ⊕ (δ - δ_s),   ω - c (δ - δ_s),   δ̇_s = c (δ - δ_s)
 
-    in place of `q` and `v`: fast motions are the motor's, and what lasts is the link's, so that at
-    rest the links are where the reference is. Rigid joints pass through, and so do those whose
-    motors swing by more than 2 rad in a tick.
+    in place of `q` and `v`: fast motions are the motor's, what lasts is the link's, and at rest the
+    links are where the reference is.
+
+    **Encoders on the motors.** Where a law is fast it moves the rotor alone, a tenth of what it
+    reckons with; and its integrals feed the swing of a link whose motor it holds. This observer
+    runs the equation of the links, with the measured `ω`:
+
+        δ̇ = ω - v,   M0 v̇ = K δ + D (ω - v) - C0 v - G0 + d,   d = M0 a
+
+    What `J ω̇ = τ - K δ - D (ω - v)` leaves of the motor's change of speed corrects `δ`, `v` and `a`
+    (`link_corrections`). With `x = s²/(s + c)² δ` the controller is given
+
+        q ⊖ (x - x_J),   ω - (ẋ - ẋ_J),   x_J = (J + ε M0)⁻¹ J x,   ε = 0.3
+
+    Slow motions are the motor's; fast ones are those of an inertia `J + ε M0`, of which the spring
+    hides nothing. A motor that stands tells nothing of its link, since friction takes what the
+    spring does not: there nothing is corrected. At rest the motors are where the reference is.
+
+    Rigid joints pass through, and so do those whose motors swing by more than 2 rad in a tick.
 
     It has the face of a controller and works with all of them, also with `ModelLearning` around
     one. `fotsmc_pin.margins` and `fotsmc_pin.analysis.largest_bandwidth` take it.
@@ -67,6 +73,7 @@ class SpringObserver(Wrapper):
         controller: what is wrapped.
         arm: its nominal arm.
         dt: its period of a tick [s].
+        encoder: "link" or "motor", the side that is measured.
         joint_stiffness: `K`, inf where rigid (nv,) [N·m/rad, N/m].
         joint_damping: `D` (nv,) [N·m·s/rad, N·s/m].
         rotor: `J` (nv,) [kg·m², kg].
@@ -88,10 +95,11 @@ class SpringObserver(Wrapper):
         controller: Any,
         joint_stiffness: ArrayLike,
         *,
+        encoder: str = "link",
         joint_damping: ArrayLike | None = None,
         rotor: ArrayLike | None = None,
         delay: int = 1,
-        corner: float = 3.0,
+        corner: float | None = None,
     ) -> None:
         """Wrap a controller.
 
@@ -100,12 +108,14 @@ class SpringObserver(Wrapper):
                 wrapper.
             joint_stiffness: `K` of each joint, one number or (nv,) [N·m/rad, N/m]; inf for a rigid
                 one.
+            encoder: "link" or "motor", the side of the springs that is measured.
             joint_damping: `D` of the springs, one number or (nv,) [N·m·s/rad, N·s/m]; None for what
                 damps the motor on its spring by a ratio of 0.02, as makers seldom state it.
             rotor: `J`, inertia on the motor's side, one number or (nv,) [kg·m², kg]; the arm's
                 armature if None.
             delay: ticks from a torque to the drive.
-            corner: `c`, rate below which the link is followed, and above which the motor is [1/s].
+            corner: `c`, rate below which the measured side is followed [1/s]; None for 3 with
+                encoders on the links, 9 on the motors.
 
         Raises:
             ArgumentError: naming the argument, its value and the remedy.
@@ -120,17 +130,19 @@ class SpringObserver(Wrapper):
         own = self.arm.armature if rotor is None else rotor
         self.rotor = checks.per_joint("rotor", own, n, at_least=0.0)
         if joint_damping is None:
-            K = np.where(np.isfinite(self.joint_stiffness), self.joint_stiffness, 0.0)
-            joint_damping = 2.0 * USUAL_DAMPING * np.sqrt(K * self.rotor)
+            joint_damping = usual_damping(self.joint_stiffness, self.rotor)
         self.joint_damping = checks.per_joint("joint_damping", joint_damping, n, at_least=0.0)
         self.delay = checks.count("delay", delay, at_least=0)
-        self.corner = checks.finite_number("corner", corner, above=0.0)
+        self.encoder = checks.choice("encoder", encoder, [*CORNERS])
+        given = CORNERS[self.encoder] if corner is None else corner
+        self.corner = checks.finite_number("corner", given, above=0.0)
         elastic = np.isfinite(self.joint_stiffness)
         if ((self.rotor <= 0.0) & elastic).any():
             remedy = "an elastic joint has a motor: give its rotor's inertia"
             raise ArgumentError("rotor", self.rotor, remedy)
-        self._joints = _constants(self, elastic)
-        shape = (len(SpringState._fields), n)
+        constants = motor_constants if self.encoder == "link" else link_constants
+        self._joints = constants(self, elastic)
+        shape = (len(self.state_names._fields), n)
         self._state, self._later = np.zeros(shape), np.zeros(shape)
         self._sent = np.zeros((self.delay + 1, n))
         self._configurations = np.zeros((2, self.arm.nq))
@@ -151,23 +163,23 @@ class SpringObserver(Wrapper):
         return f"{name} + spring observer"
 
     @property
+    def state_names(self) -> type[SpringState] | type[LinkState]:
+        """Names of the rows of the state."""
+        return SpringState if self.encoder == "link" else LinkState
+
+    @property
     def observed(self) -> Array:
         """Which joints have a spring that is observed, and do not pass through, (nv,)."""
         return np.array(self._joints[0] > 0.0)
 
     def around(self, controller: Any) -> SpringObserver:
         """Return a new observer of the same springs around another controller."""
-        return SpringObserver(
-            controller,
-            self.joint_stiffness,
-            joint_damping=self.joint_damping,
-            rotor=self.rotor,
-            delay=self.delay,
-            corner=self.corner,
-        )
+        names = ("encoder", "joint_damping", "rotor", "delay", "corner")
+        given: Any = {name: getattr(self, name) for name in names}
+        return SpringObserver(controller, self.joint_stiffness, **given)
 
     def joint_constants(self, joint: int) -> Array:
-        """Return what is known of a joint, the rows of `SpringRows` (9,)."""
+        """Return what is known of a joint, the rows of `SpringRows` or `LinkRows`."""
         return np.array(self._joints[:, joint])
 
     @property
@@ -195,8 +207,8 @@ class SpringObserver(Wrapper):
     ) -> Array:
         """Advance by one tick; arguments, result and errors are those of `Controller.update`.
 
-        `q` and `v` are those of the links. After a measurement that is not usable, observer and
-        controller are as they were.
+        `q` and `v` are those of the side that is measured. After a measurement that is not usable,
+        observer and controller are as they were.
         """
         nq, nv = self.arm.nq, self.arm.nv
         given: tuple[Any, ...] = (q, v, q_d, v_d, a_d)
@@ -260,7 +272,10 @@ class SpringObserver(Wrapper):
 
     def __repr__(self) -> str:
         """Name what is wrapped."""
-        return f"SpringObserver({self.controller!r}, delay={self.delay}, corner={self.corner:g})"
+        return (
+            f"SpringObserver({self.controller!r}, encoder={self.encoder!r}, delay={self.delay}, "
+            f"corner={self.corner:g})"
+        )
 
     def _link(self) -> None:
         """Make what only refers to the arrays: the model of the links, the signals, the code."""
@@ -268,9 +283,9 @@ class SpringObserver(Wrapper):
         self._links.armature = np.where(self.observed, 0.0, self.arm.armature)
         self._data = self._links.createData()
         self._q, self._v = self._configurations[0], named_rows(self._arrived, Joints).v
-        state = named_rows(self._state, SpringState)
+        state: Any = named_rows(self._state, self.state_names)
         self._signals = {"motor_lead": state.deflection, "spring_load": state.load}
-        self._arguments = (
+        self._arguments: tuple[Any, ...] = (
             self._data.M.T,
             self._data.nle,
             self._v,
@@ -280,21 +295,8 @@ class SpringObserver(Wrapper):
             self._later,
             self._lead,
         )
-        self._code = specialized(observe, self.dt, *self._arguments)
-
-
-def _constants(observer: SpringObserver, elastic: Array) -> Array:
-    """Return the rows of `SpringRows`."""
-    table = np.zeros((len(SpringRows._fields), observer.arm.nv))
-    x = named_rows(table, SpringRows)
-    x.stiffness[:] = x.rotor[:] = 1.0
-    x.corner[:] = observer.corner
-    for i in np.flatnonzero(elastic):
-        numbers = (observer.rotor[i], observer.joint_stiffness[i], observer.joint_damping[i])
-        J, K, D = (float(number) for number in numbers)
-        if math.sqrt(K / J) * observer.dt > FASTEST_SWING:
-            continue
-        found = corrections(observer.dt, J, K, D, observer_rates(observer.dt, J, K, D))
-        x.elastic[i], x.rotor[i], x.stiffness[i], x.damping[i] = 1.0, J, K, D
-        x.to_impulse[i], x.to_deflection[i], x.to_speed[i], x.to_load[i] = found
-    return table
+        tick: Any = observe
+        if self.encoder == "motor":
+            tick = observe_links
+            self._arguments += (np.zeros((self.arm.nv, self.arm.nv)),)
+        self._code = specialized(tick, self.dt, *self._arguments)

@@ -6,7 +6,7 @@ import pytest
 import fotsmc_pin as fp
 from fotsmc_pin.analysis import inertia_ratios, largest_bandwidth, margins
 from fotsmc_pin.analysis.linearization import linearize
-from fotsmc_pin.control import TickWarning
+from fotsmc_pin.control import GravityWarning, TickWarning
 from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.references import Hold
 from fotsmc_pin.simulation import NoisySensor, TickDelay, simulate
@@ -201,3 +201,16 @@ class TestElasticJoints:
     def test_a_rotor_outside_the_nominal_inertia_is_refused(self, two_link):
         with pytest.raises(ArgumentError, match="rotor"):
             largest_bandwidth(fp.RobustFONFTSM(two_link[0], DT), 1e3, rotor=1e3)
+
+
+def test_weight_beyond_an_effort_limit_changes_no_margin():
+    """Torque limits are left out of the loop, also where the arm cannot bear its own weight."""
+    arm = fp.load_arm("ur5", armature="rotors")
+    weak = fp.load_arm("ur5", armature=arm.armature, effort_limit=1.0)
+    with pytest.warns(GravityWarning):
+        law = fp.LinearSMC(weak, DT, preset="boundary_layer")
+    found, expected = margins(law), margins(fp.LinearSMC(arm, DT, preset="boundary_layer"))
+    assert found.lowest == pytest.approx(expected.lowest, rel=1e-3)
+    assert found.highest == pytest.approx(expected.highest, rel=1e-3)
+    torque = law.update(weak.neutral, *np.zeros((1, 6)), weak.neutral, *np.zeros((2, 6)))
+    assert np.abs(torque).max() == 1.0

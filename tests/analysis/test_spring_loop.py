@@ -1,6 +1,7 @@
 """An observed spring and its law as one linear loop, against simulation of a cart on a spring."""
 
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -44,25 +45,25 @@ def cart(tmp_path_factory):
     return load
 
 
-def observed(arm, bandwidth=0.5, delay=1):
+def observed(arm, bandwidth=0.5, delay=1, encoder="link"):
     law = fp.RobustFONFTSM(
         arm, DT, bandwidth=bandwidth, integral=0.0, rotor_limit=0.0, floor_share=0.0
     )
-    return fp.SpringObserver(law, K, joint_damping=DAMPING, delay=delay)
+    return fp.SpringObserver(law, K, encoder=encoder, joint_damping=DAMPING, delay=delay)
 
 
-def swings(cart, ratio, delay):
+def swings(cart, ratio, delay, encoder):
     """Largest speed in the second and in the last quarter of a hold [m/s]."""
     true = fp.perturb(cart(ratio), joint_stiffness=K, joint_damping=DAMPING)
     arm = cart()
     rec = simulate(
         true,
-        observed(arm, delay=delay),
+        observed(arm, delay=delay, encoder=encoder),
         Hold(arm),
         4.0,
-        q0=[1e-4],
+        q0=[1e-4 if encoder == "link" else 1e-2],  # a motor that hardly moves counts as standing
         substeps=10,
-        encoder="link",
+        encoder=encoder,
         actuator=TickDelay(delay),
     )
     v = np.abs(rec.v_motor)
@@ -70,14 +71,41 @@ def swings(cart, ratio, delay):
     return v[n : 2 * n].max(), v[-n:].max()
 
 
+@pytest.mark.parametrize("encoder", ["link", "motor"])
 @pytest.mark.parametrize("delay", [1, 2])
-def test_the_loop_is_lost_where_the_margins_say(cart, delay):
-    found = margins(observed(cart(), delay=delay), delay)
+def test_the_loop_is_lost_where_the_margins_say(cart, delay, encoder):
+    found = margins(observed(cart(), delay=delay, encoder=encoder), delay)
     assert found.lowest < 0.7 < 2.0 < found.highest < 100.0
-    earlier, last = swings(cart, 0.9 * found.highest, delay)
+    earlier, last = swings(cart, 0.9 * found.highest, delay, encoder)
     assert last < earlier
-    earlier, last = swings(cart, 1.1 * found.highest, delay)
+    earlier, last = swings(cart, 1.1 * found.highest, delay, encoder)
     assert last > earlier
+
+
+@pytest.mark.parametrize("swing", [141.0, 200.0, 447.0])
+@pytest.mark.parametrize("share", [0.1, 0.2, 0.4])
+def test_on_the_motors_it_bears_other_links_and_rotors_than_believed(tmp_path, share, swing):
+    """A rotor of a tenth: the bare law meets it where it is fast, and feeds a soft spring's swing.
+
+    Default bandwidth, springs of effort limit x 100 to 1000, rotors of limit / 200.
+    """
+    path = tmp_path / "cart.urdf"
+    path.write_text(SLIDER.format(1.0 - share))
+    arm = fp.load_arm(path, armature=share)
+    law = fp.RobustFONFTSM(arm, DT, rotor_limit=0.0, floor_share=0.0)
+    (bare,) = linearize(law)
+    (loop,) = behind_springs(
+        fp.SpringObserver(law, share * swing**2, encoder="motor"), [bare], None
+    )
+
+    def bears(law, link, rotor):
+        own, behind = rotor * share, link * (1.0 - share)
+        true = replace(loop.joint, mass=own + behind, rotor=own / (own + behind))
+        return is_stable(law, true, 1)
+
+    assert all(bears(loop, m, r) for m in (0.7, 1.0, 1.4, 2.0) for r in (1.0, 200.0 / 150.0))
+    if share == 0.1:
+        assert not bears(bare, 1.4, 1.0)
 
 
 def test_with_the_right_model_errors_of_the_estimate_keep_their_rates(cart):

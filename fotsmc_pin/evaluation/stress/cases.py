@@ -82,8 +82,8 @@ SCENARIOS: Mapping[str, tuple[Case, ...]] = MappingProxyType(
 - `light`: the nominal arm has the rated payload, the true one has not, and links as heavy as
   believed.
 - `elastic`: joints with springs of limit × 1000, 200, 100 per radian, encoders on the motors and on
-  the links; there the law is in a `SpringObserver`, and one with a `bandwidth` runs at 0.6 of
-  `fotsmc_pin.analysis.largest_bandwidth` at most.
+  the links; the law is in a `SpringObserver`, and one with a `bandwidth` runs at
+  `fotsmc_pin.analysis.OBSERVED_SHARE` of `largest_bandwidth` at most.
 - `encoder`: encoders of 20 and 17 bits, no velocity sensor and no other noise.
 
 From `rotors` on the course is the sinusoid of `sine`, faded out after 6 s, and rest from 8 to 12 s.

@@ -28,11 +28,11 @@ def fitted_to_springs(
 ) -> Controller[Any] | SpringObserver:
     """Return the controller that a scenario is run with, and warn where it was too fast for it.
 
-    With encoders on the links of elastic joints a `SpringObserver` goes around the law. It knows
+    On elastic joints a `SpringObserver` for the side of the encoders goes around the law. It knows
     what a maker states, the stiffness of the springs, and the rotors of the nominal arm, which are
-    not the true ones. A law with a `bandwidth` then runs at 0.6 of what
-    `largest_bandwidth` gives, and never faster than it was made. Every other controller is returned
-    as it is.
+    not the true ones. A law with a `bandwidth` then runs at `OBSERVED_SHARE` of what
+    `largest_bandwidth` gives, and never faster than it was made. On a rigid arm the controller is
+    returned as it is.
 
     Args:
         controller: as it was made for the scenario.
@@ -45,9 +45,7 @@ def fitted_to_springs(
     if not np.isfinite(true.joint_stiffness).any():
         return controller
     warn_of_soft_joints(controller, true, encoder=side, delay=scenario.delay)
-    if side == "motor":
-        return controller
-    observer = SpringObserver(controller, true.joint_stiffness, delay=scenario.delay)
+    observer = SpringObserver(controller, true.joint_stiffness, encoder=side, delay=scenario.delay)
     made = getattr(controller.gains, "bandwidth", None)
     if made is None:
         return observer
@@ -55,7 +53,7 @@ def fitted_to_springs(
         edge = largest_bandwidth(observer, delay=scenario.delay)
     except ArgumentError:  # no bandwidth is stable: run it as it is
         return observer
-    return with_bandwidth(observer, min(made, OBSERVED_SHARE * edge))
+    return with_bandwidth(observer, min(made, OBSERVED_SHARE[side] * edge))
 
 
 def with_learning(

@@ -82,14 +82,10 @@ def _springs(case: Case, nominal: Arm) -> str:
     if case.stiffness is None:
         return ""
     springs = case.stiffness * drive_size(nominal)
-    observed = (
-        ", where a SpringObserver that knows the stiffness and the nominal rotors is around the law"
-        if case.encoder == "link"
-        else ""
-    )
     return (
         f"Joint stiffness limit × {case.stiffness:g}/rad: {_list(springs)} N·m/rad, damping ratio "
-        f"{SPRING_DAMPING:g} of the motor on it; encoders on the {case.encoder} side{observed}."
+        f"{SPRING_DAMPING:g} of the motor on it; encoders on the {case.encoder} side; around the "
+        "law is a SpringObserver that knows the stiffness and the nominal rotors."
     )
 
 

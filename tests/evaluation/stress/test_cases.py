@@ -274,6 +274,16 @@ def test_encoders_on_the_links_run_at_the_bandwidth_that_the_springs_bear():
     assert row.largest_swing < 5e-3
 
 
+def test_encoders_on_the_motors_are_observed_too():
+    """The bare law rattles on a heavy arm's springs; run short, on the way to its reference."""
+    with pytest.warns(BandwidthWarning, match="encoders on the motors"):
+        (row,) = stress(["ur10"], ["RobustFONFTSM"], scenarios="elastic 100 motor", duration=3.0)
+    assert row.bandwidth == 1.0
+    assert row.motor_rms_error is not None
+    assert row.motor_rms_error < 1e-3
+    assert row.deflection == pytest.approx(row.static_deflection, rel=0.2)
+
+
 def test_learning_goes_inside_of_the_observer_of_springs():
     law = fp.RobustFONFTSM(fp.load_arm("two_link", armature=0.1), 1e-3)
     bare = with_learning(law, 2)
