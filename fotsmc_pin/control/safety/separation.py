@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 MOST_ROWS = 6
 """So many pairs of links are kept apart at a time, the nearest."""
-MOST_MEASURED = 12
+MOST_MEASURED = 8
 """So many distances are measured in a tick at most; those of the others come in the next ones."""
 SIDES = 6
 """Distances of the tool to the sides of its box."""
@@ -113,18 +113,26 @@ class Separation:
         return gaps
 
     def accelerations(
-        self, q: Array, v: Array, M: Array, h: Array, law: Array, table: Array
+        self,
+        state: tuple[Array, Array],
+        M: Array,
+        h: Array,
+        law: Array,
+        table: Array,
+        *,
+        joints_are_kept: bool,
     ) -> tuple[Array, float] | None:
         """Return accelerations (nv,) that keep the distances, and the worst excess; None if kept.
 
         Args:
-            q: configuration (nq,).
-            v: velocity (nv,).
+            state: configuration (nq,) and velocity (nv,).
             M: mass matrix (nv, nv).
             h: `C v + G` (nv,).
             law: torque of the law (nv,).
             table: the joints' bounds, and the accelerations that keep them; see `limit_kernels`.
+            joints_are_kept: whether they keep the joints' limits.
         """
+        q, v = state
         count = self._near(q, v)
         if not count:
             return None
@@ -139,7 +147,7 @@ class Separation:
         sense = np.full(2 * n + count, SOFT, dtype=np.int32)
         sense[: 2 * n] = 0
         f, lower, upper = limits[0, :n], limits[1], limits[2]
-        for firm in (2 * n, n):
+        for firm in (2 * n, n) if joints_are_kept else (n,):
             # The joints' own limits come before distances, and torque limits before all.
             sense[: 2 * n - firm] = SOFT
             a, _, flag, _ = self._solve(np.array(M), f, matrix, upper, lower, sense)
