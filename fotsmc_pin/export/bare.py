@@ -1,4 +1,4 @@
-"""A law in C, alone or with what learns its model: its structs, its tables, its functions."""
+"""A law in C, with what stands around its tick: its structs, its tables, its functions."""
 
 from __future__ import annotations
 
@@ -10,12 +10,13 @@ import numpy as np
 from fotsmc_pin.control.arguments import ROUNDNESS
 from fotsmc_pin.control.controller import LONGEST_TICK, SHORTEST_TICK
 from fotsmc_pin.control.rows import Joints
+from fotsmc_pin.export.addition import Addition, addition_of
 from fotsmc_pin.export.dialect import comment, identifier, member_name
 from fotsmc_pin.export.joints import Turning, joints_of
 from fotsmc_pin.export.law import Law
 from fotsmc_pin.export.layout import STATUSES, assigned, block, notes_of, numbers, struct_lines
 from fotsmc_pin.export.learner import Learner
-from fotsmc_pin.export.names import ERRORS, INIT, LEARNING, RESET, TAU, UPDATE, Names
+from fotsmc_pin.export.names import ERRORS, INIT, RESET, TAU, UPDATE, Names
 from fotsmc_pin.learning import ModelLearning
 
 if TYPE_CHECKING:
@@ -45,7 +46,7 @@ class BareLaw:
         program: where its functions are written.
         law: the translated law.
         turning: what its continuous joints need.
-        learner: what learns its model, if anything does.
+        around: what stands around its tick: friction that is known, or what learns.
     """
 
     def __init__(
@@ -53,10 +54,11 @@ class BareLaw:
     ) -> None:
         self.arm, self.program, self.dialect = controller.arm, program, program.dialect
         self.names = Names.of(self.arm, wrapped=wrapped)
-        self.learner: Learner | None = None
         if isinstance(controller, ModelLearning):
-            self.learner = Learner(controller, program, self.names)
+            self.around: Addition = Learner(controller, program, self.names)
             controller = controller.controller
+        else:
+            self.around = addition_of(controller, program)
         self.joints = joints_of(self.arm)
         self.turning = Turning(program)
         self.law = Law.of(controller, program, self.names.prefix, self.names.state)
@@ -81,9 +83,7 @@ class BareLaw:
         model = []
         if not self.law.controller.uses_model:
             model = ["", "This law needs no model: M and h may be null pointers."]
-        if self.learner is not None:
-            model += ["", *LEARNING[self.learner.loop]]
-        lines = [*UPDATE, *more, *TAU, *model, "", *ends]
+        lines = [*UPDATE, *more, *TAU, *model, *self.around.note, "", *ends]
         return "\n".join(lines).replace("@", self.names.prefix.upper())
 
     def types(self) -> list[str]:
@@ -94,8 +94,7 @@ class BareLaw:
             if struct.fields:
                 notes = notes_of(struct.kind)
                 lines += [*comment(note), *struct_lines(struct, notes, self.dialect)]
-        if self.learner is not None:
-            lines += self.learner.layout.types()
+        lines += self.around.types()
         what = "A controller." if not self.names.scope else "The law."
         lines += [*comment(f"{what} A copy remembers everything too."), "typedef struct {"]
         for member in ("gains", *GROUPS):
@@ -105,8 +104,7 @@ class BareLaw:
         for name, memory in law.memories.items():
             note = "/* memory of a fractional operator */"
             lines.append(f"    {real} {name}_memory[{memory.size}]; {note}")
-        if self.learner is not None:
-            lines.append(f"    {self.learner.layout.type_name} learner;")
+        lines += self.around.members()
         return [*lines, f"}} {self.names.state};", ""]
 
     def tables(self) -> list[str]:
@@ -115,13 +113,13 @@ class BareLaw:
         for name, table in self.law.tables.items():
             lines += comment(f"Coefficients of the operator `{name}`, a row after the other.")
             lines += numbers(f"{identifier(name)}_table", table, self.dialect)
-        return lines if self.learner is None else [*lines, *self.learner.layout.tables()]
+        return [*lines, *self.around.tables()]
 
     @property
     def roots(self) -> list[str]:
         """Translated functions that are called from outside of the translation."""
-        learning = [] if self.learner is None else self.learner.roots
-        return [self.law.tick.name, self.law.read.name, *self.turning.used, *learning]
+        own = [self.law.tick.name, self.law.read.name]
+        return [*own, *self.turning.used, *self.around.roots]
 
     def heads(self) -> dict[str, str]:
         """Return the declarations of the law's functions."""
@@ -204,7 +202,7 @@ class BareLaw:
             for k in np.flatnonzero(flat):
                 number = self.dialect.number(float(flat[k]))
                 lines.append(f"state->{name}_memory[{k}] = {number};")
-        return lines if self.learner is None else [*lines, *self.learner.layout.reset_lines()]
+        return [*lines, *self.around.reset_lines()]
 
     def _update_lines(self) -> list[str]:
         law, real, n = self.law, self.dialect.real, self.arm.nv
@@ -227,10 +225,9 @@ class BareLaw:
             self._understood_lines(),
             "Read the arguments of a tick, each number kept within bounds; or say what is wrong.",
         )
-        status, tick = f"understood(&seen, {given}, dt)", [f"{_call(law.tick, self._given())};"]
-        if self.learner is not None:
-            lines += self.learner.functions()
-            status, tick = f"ready(state, {status})", self.learner.around(tick)
+        lines += self.around.functions()
+        status = self.around.judged(f"understood(&seen, {given}, dt)")
+        tick = self.around.around([f"{_call(law.tick, self._given())};"])
         update = [
             f"{shape} seen = state->joints;",
             f"const int status = {status};",
@@ -238,7 +235,7 @@ class BareLaw:
             "    state->joints = seen;",
             *(f"    {line}" for line in tick),
             "}",
-            f"for (int i = 0; i < {n}; i++) {{ tau[i] = {self._last_torque}; }}",
+            f"for (int i = 0; i < {n}; i++) {{ tau[i] = {self.around.last_torque}; }}",
             *([] if models else ["(void)M;", "(void)h;"]),
             "return status;",
         ]
@@ -279,13 +276,8 @@ class BareLaw:
             ]
         return [*lines, f"return {names.status('OK')};"]
 
-    @property
-    def _last_torque(self) -> str:
-        return "state->joints.tau[i]" if self.learner is None else self.learner.last_torque
-
     def _given(self) -> dict[str, str]:
-        h = "h" if self.learner is None else self.learner.h
-        found = {"dt": "dt", "table": "state", "M0": "M", "h0": h}
+        found = {"dt": "dt", "table": "state", "M0": "M", "h0": self.around.h}
         for name in self.law.tables:
             found[identifier(f"{name}_memory")] = f"state->{name}_memory"
         return found

@@ -42,7 +42,7 @@ class Files:
             self._written = BareLaw(controller, program)
         self._program, self._controller = program, controller
         bare: BareLaw = getattr(self._written, "bare", self._written)
-        self._law, self._learner = bare.law.controller, bare.learner
+        self._law, self._around = bare.law.controller, bare.around
         self.prefix: str = self._written.names.prefix
 
     def header(self) -> str:
@@ -65,8 +65,8 @@ class Files:
             *statuses(macro, self._written.meanings),
             *self._written.types(),
         ]
-        learning = [(head, note) for head, note, _ in self._learning()]
-        for head, note in (*self._written.public(), *learning):
+        more = [(head, note) for head, note, _ in self._more()]
+        for head, note in (*self._written.public(), *more):
             lines += [*comment(note), f"{head};", ""]
         return "\n".join([*lines, "#ifdef __cplusplus", "}", "#endif", "", "#endif", ""])
 
@@ -84,19 +84,17 @@ class Files:
             *self._program.text(*written.roots),
             *written.functions(),
         ]
-        for head, _, text in self._learning():
+        for head, _, text in self._more():
             lines += block(head, text, "See the header.")
         return "\n".join(lines)
 
-    def _learning(self) -> list[tuple[str, str, list[str]]]:
-        if self._learner is None:
-            return []
+    def _more(self) -> list[tuple[str, str, list[str]]]:
         guarded = isinstance(self._controller, Safeguard)
-        return self._learner.public(f"{self.prefix}_state", "&state->law" if guarded else "state")
+        return self._around.public(f"{self.prefix}_state", "&state->law" if guarded else "state")
 
     def _about(self) -> str:
         arm, kind = self._law.arm, type(self._law)
-        wrapped = "" if self._learner is None else " that learns its model"
+        wrapped = " that learns its model" if self._more() else ""
         wrapped += " in a Safeguard" if isinstance(self._controller, Safeguard) else ""
         return "\n".join(
             [

@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any
 from fotsmc_pin.control.arguments import LARGEST
 from fotsmc_pin.control.functions import clip
 from fotsmc_pin.errors import ArgumentError
+from fotsmc_pin.export.addition import Addition
 from fotsmc_pin.export.layout import block
 from fotsmc_pin.export.learner_state import BODIES, LearnerState
-from fotsmc_pin.export.names import DUE, GIVE, LEARNED
+from fotsmc_pin.export.names import DUE, GIVE, LEARNED, LEARNING
 from fotsmc_pin.export.values import Array, Root, Scalar, Table
 from fotsmc_pin.learning.estimator import WINDOW
 from fotsmc_pin.learning.model_learning import MIDDLE
@@ -34,12 +35,11 @@ STRONGEST = 1e20
 PLACE = "state->learner"
 
 
-class Learner:
+class Learner(Addition):
     """Writes what learns.
 
     Attributes:
         layout: what it remembers.
-        roots: translated functions that are called from outside of the translation.
     """
 
     def __init__(self, owner: ModelLearning, program: Program, names: Names) -> None:
@@ -52,6 +52,7 @@ class Learner:
         if program.dialect.single:
             remedy = "export what learns in double precision: a float counts its ticks to 2^24 only"
             raise ArgumentError("controller", owner.label, remedy)
+        super().__init__()
         self._owner = copy.deepcopy(owner)
         self._owner.reset()
         self._program, self._dialect, self._names = program, program.dialect, names
@@ -64,20 +65,38 @@ class Learner:
         if owner._feeds:
             self.roots.append(self._ahead.name)
 
+        adds = owner._feeds and owner.controller.uses_model
+        self.h = "ahead" if adds else "h"
+        self.note = ("", *LEARNING[self._loop])
+
+    def types(self) -> list[str]:
+        """Return its structs."""
+        return self.layout.types()
+
+    def tables(self) -> list[str]:
+        """Return its constants."""
+        return self.layout.tables()
+
+    def reset_lines(self) -> list[str]:
+        """Return what forgets all that was learnt."""
+        return self.layout.reset_lines()
+
+    def members(self) -> list[str]:
+        """Return what it keeps in the state of the law."""
+        return [f"    {self.layout.type_name} learner;"]
+
+    def judged(self, status: str) -> str:
+        """Return the status of a tick whose arguments have this one."""
+        return f"ready(state, {status})"
+
     @property
-    def loop(self) -> str:
+    def _loop(self) -> str:
         """What the loop is closed with, and what is fed forward: a key of `names.LEARNING`."""
         if not self._owner.controller.uses_model:
             return "none"
         if self._owner._in_loop:
             return "learnt"
         return "ahead" if self._owner._feeds else "nominal"
-
-    @property
-    def h(self) -> str:
-        """The torque that a tick of the law is given for `h`."""
-        adds = self._owner._feeds and self._owner.controller.uses_model
-        return "ahead" if adds else "h"
 
     @property
     def last_torque(self) -> str:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import fotsmc_pin as fp
+from fotsmc_pin.arms import with_known_friction
 from fotsmc_pin.control import CONTROLLERS
 from fotsmc_pin.errors import ArgumentError
 
@@ -110,6 +111,18 @@ def test_the_model_is_not_asked_of_a_law_that_needs_none(compiled):
     tau, status = compiled(controller).replay(inputs)
     assert not status.any()
     assert worst(tau, inputs) < EXACT
+
+
+def test_friction_that_is_known_is_added(compiled):
+    rubbing = fp.perturb(arm_named("two_link"), friction=0.4, damping=0.2, stiction=1.5)
+    arm = with_known_friction(rubbing)
+    controller = make(CONTROLLERS["RobustFONFTSM"], arm)
+    inputs, c = rough_run(controller), compiled(controller)
+    tau, status = c.replay(inputs)
+    assert not status.any()
+    assert worst(tau, inputs) < EXACT
+    assert worst(rough_run(make(CONTROLLERS["RobustFONFTSM"], rubbing)).tau, inputs) > 1e-3
+    assert "is known, is added" in c.header.read_text("utf-8")
 
 
 @pytest.mark.parametrize("single", [False, True])
