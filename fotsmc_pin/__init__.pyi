@@ -55,6 +55,6 @@ from .evaluation.studies import ClosedLoop as ClosedLoop, StudyResult as StudyRe
 from .evaluation.stress import stress as stress
 from .export import export_c as export_c
 from .realtime import run_realtime as run_realtime
-from .view import export_html as export_html, plot as plot
+from .view import export_data as export_data, export_html as export_html, plot as plot
 
 __version__: str

@@ -3,6 +3,7 @@
 from fotsmc_pin.arms.arm import Arm
 from fotsmc_pin.arms.demand import demand_arm
 from fotsmc_pin.arms.inspection import Inspection, inspect_arm
+from fotsmc_pin.arms.known_friction import with_known_friction
 from fotsmc_pin.arms.load import load_arm
 from fotsmc_pin.arms.payload import Payload
 from fotsmc_pin.arms.perturbation import perturb
@@ -17,4 +18,5 @@ __all__ = [
     "inspect_arm",
     "load_arm",
     "perturb",
+    "with_known_friction",
 ]

@@ -11,6 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from fotsmc_pin.arms.joint_numbers import JointNumbers, frozen
+from fotsmc_pin.arms.known_friction import friction_is_known
 from fotsmc_pin.arms.markup import parse_urdf
 from fotsmc_pin.arms.model import build_model
 from fotsmc_pin.arms.mounting import base_gravity
@@ -65,6 +66,7 @@ class Arm(JointNumbers):
 
     def __post_init__(self) -> None:
         """Build the model now, so that a bad URDF fails here."""
+        _ = self.friction_is_known
         if not self.model.existFrame(self.tool_frame, pin.FrameType.BODY):
             known = ", ".join(self.tree.links)
             raise ArgumentError("tool_frame", self.tool_frame, f"choose one of {known}")
@@ -141,6 +143,16 @@ class Arm(JointNumbers):
     def base_gravity(self) -> Array:
         """Gravity that the arm feels, in the frame of its base, (3,) [m/s²]."""
         return frozen(base_gravity(self.tree))
+
+    @cached_property
+    def friction_is_known(self) -> bool:
+        """Whether the file's friction is that of the real arm, which laws then feed forward.
+
+        So it is in arms of `identify` and `ModelLearning.learned_arm`, and where
+        `<fotsmc_pin friction="known"/>` stands below `<robot>`. Without it friction is taken for
+        what the plant may have, and no law counts on it: what makers write is often invented.
+        """
+        return friction_is_known(self.tree)
 
     @cached_property
     def idle_joint(self) -> str | None:

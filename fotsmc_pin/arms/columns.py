@@ -57,7 +57,7 @@ def heads(arm: Arm, kinds: Sequence[str]) -> list[str]:
 
     Args:
         arm: the arm.
-        kinds: "q", "v", "a", and any other for efforts.
+        kinds: as `units_of` takes them.
     """
     found = [f"{TIME} [s]"]
     for kind in kinds:
@@ -67,10 +67,17 @@ def heads(arm: Arm, kinds: Sequence[str]) -> list[str]:
 
 
 def units_of(arm: Arm, kind: str) -> tuple[str, ...]:
-    """Return the unit of a kind of column for each joint."""
+    """Return the unit of a kind of column for each joint.
+
+    Args:
+        arm: the arm.
+        kind: "q", "v" or "a", also with more behind (`q_measured`, `v_d`), the errors "e" and
+            "e_dot", and any other for efforts.
+    """
+    plain = {"e": "q", "e_dot": "v"}.get(kind, kind.partition("_")[0])
     over = {"q": "", "v": "/s", "a": "/s²"}
-    if kind in over:
-        return tuple(unit + over[kind] for unit in arm.position_units)
+    if plain in over:
+        return tuple(unit + over[plain] for unit in arm.position_units)
     return arm.effort_units
 
 

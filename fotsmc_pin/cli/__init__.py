@@ -9,6 +9,7 @@ import typer
 
 from fotsmc_pin.cli.animate import animate
 from fotsmc_pin.cli.arms import arms_command
+from fotsmc_pin.cli.convert import convert
 from fotsmc_pin.cli.excite import excite
 from fotsmc_pin.cli.export import export_command
 from fotsmc_pin.cli.identify import identify_command
@@ -51,6 +52,7 @@ app.command("reproduce", cls=PlainCommand)(reproduce)
 app.command("simulate", cls=PlainCommand)(simulate)
 app.command("animate", cls=PlainCommand)(animate)
 app.command("report", cls=PlainCommand)(report)
+app.command("convert", cls=PlainCommand)(convert)
 app.command("arms", cls=PlainCommand)(arms_command)
 app.command("inspect", cls=PlainCommand)(inspect_command)
 app.command("excite", cls=PlainCommand)(excite)

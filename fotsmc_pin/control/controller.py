@@ -17,6 +17,7 @@ from fotsmc_pin.compiled import restricted, specialized
 from fotsmc_pin.control.arguments import cleaned_arguments, read_arguments
 from fotsmc_pin.control.conditions import warn_of_gravity, warn_of_slow_ticks
 from fotsmc_pin.control.declaration import check_declaration
+from fotsmc_pin.control.friction_terms import FrictionTerms
 from fotsmc_pin.control.gains import Gains
 from fotsmc_pin.control.model_terms import ModelTerms
 from fotsmc_pin.control.rows import NoRows, new_table, rows, signal_views
@@ -273,7 +274,8 @@ class Controller(SharesNothing, ABC, Generic[G]):
         self._signals = signal_views(
             self._table, self.Gains, self.State, self.Work, self.signal_rows
         )
-        self.use_terms(ModelTerms(self.arm.model))
+        known = self.arm.friction_is_known
+        self.use_terms(FrictionTerms(self.arm) if known else ModelTerms(self.arm.model))
         q, v = self.q, self.joints.v
         restricted(read_arguments, q, v, q, v, v, self._configurations, self._table)
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fotsmc_pin.arms import demand_arm
+from fotsmc_pin.compiled import kernel
 from fotsmc_pin.control.model_terms import ModelTerms
 
 if TYPE_CHECKING:
@@ -25,8 +27,8 @@ class FrictionTerms(ModelTerms):
 
     As it stands in `h0`, a law's torque limits, memories and observers know of it, which they do
     not of a torque that is added outside (`FrictionCompensation`). The speed is the desired one, so
-    that no loop is closed. Give it to a law that knows its friction, such as that of an
-    identified arm: `controller.use_terms(FrictionTerms(result.arm))`.
+    that no loop is closed. Every law that uses a model has these terms where the friction of its
+    arm is known (`Arm.friction_is_known`).
 
     Args:
         arm: the nominal arm, whose viscous, Coulomb and breakaway friction is taken.
@@ -35,12 +37,20 @@ class FrictionTerms(ModelTerms):
     def __init__(self, arm: Arm) -> None:
         demand_arm(arm)
         super().__init__(arm.model)
-        self._damping, self._friction = arm.damping, arm.friction
-        self._more, self._fall = arm.friction * (arm.stiction - 1.0), arm.stribeck_velocity
+        more = arm.friction * (arm.stiction - 1.0)
+        numbers = arm.damping, arm.friction, more, arm.stribeck_velocity
+        self._numbers = np.array(numbers)
 
     def evaluate(self, q: Array, joints: Joints) -> None:
         """Write the terms at the configuration `q` (nq,) and the velocities of `joints`."""
         super().evaluate(q, joints)
-        v_d = joints.v_d
-        dry = self._friction + self._more * np.exp(-((v_d / self._fall) ** 2))
-        self.h += self._damping * v_d + dry * np.tanh(v_d / WIDTH)
+        add_friction(joints.v_d, self._numbers, self.h)
+
+
+@kernel
+def add_friction(v_d: Array, numbers: Array, h: Array) -> None:
+    """Add `F(v_d)` to `h` (nv,); the rows of `numbers` are `D`, `F_c`, `F_s - F_c` and `v_s`."""
+    damping, friction, more, fall = numbers
+    for j in range(v_d.size):
+        dry = friction[j] + more[j] * math.exp(-((v_d[j] / fall[j]) ** 2))
+        h[j] += damping[j] * v_d[j] + dry * math.tanh(v_d[j] / WIDTH)

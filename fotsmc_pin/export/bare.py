@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fotsmc_pin.control.controller import LONGEST_TICK, ROUNDNESS, SHORTEST_TICK
+from fotsmc_pin.control.friction_terms import FrictionTerms
 from fotsmc_pin.control.rows import Joints
 from fotsmc_pin.export.dialect import comment, identifier, member_name
 from fotsmc_pin.export.joints import Turning, joints_of
 from fotsmc_pin.export.law import Law
 from fotsmc_pin.export.layout import STATUSES, assigned, block, notes_of, numbers, struct_lines
-from fotsmc_pin.export.names import ERRORS, INIT, RESET, TAU, UPDATE, Names
+from fotsmc_pin.export.names import ERRORS, FRICTION, INIT, RESET, TAU, UPDATE, Names
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -46,7 +47,7 @@ class BareLaw:
 
     def __init__(self, controller: Controller, program: Program, *, wrapped: bool = False) -> None:
         self.arm, self.program, self.dialect = controller.arm, program, program.dialect
-        self.names = Names.of(self.arm, wrapped=wrapped)
+        self.names, self._terms = Names.of(self.arm, wrapped=wrapped), controller.model_terms
         self.joints = joints_of(self.arm)
         self.turning = Turning(program)
         self.law = Law.of(controller, program, self.names.prefix, self.names.state)
@@ -71,6 +72,8 @@ class BareLaw:
         model = []
         if not self.law.controller.uses_model:
             model = ["", "This law needs no model: M and h may be null pointers."]
+        if isinstance(self._terms, FrictionTerms):
+            model = ["", *FRICTION]
         lines = [*UPDATE, *more, *TAU, *model, "", *ends]
         return "\n".join(lines).replace("@", self.names.prefix.upper())
 

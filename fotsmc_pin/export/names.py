@@ -24,6 +24,10 @@ TAU = (
     "  dt             measured time since the last tick, or @_DT",
     "  tau            the torque, written: finite, within the effort limits",
 )
+FRICTION = (
+    "The friction of this arm is known, and is part of the law's model: h = C v + g + F(v_d) with",
+    "F = D v_d + (F_c + (F_s - F_c) exp(-(v_d / v_s)^2)) tanh(v_d / 0.002), from the arm's URDF.",
+)
 ERRORS = (
     "Returns @_OK. Any other status leaves the state as it was, and writes the torque",
     "of the last tick; the next good tick goes on from there.",

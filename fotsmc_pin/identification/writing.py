@@ -9,6 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from fotsmc_pin.arms.inertia import LinkInertia, read_inertia, write_inertia
+from fotsmc_pin.arms.known_friction import state_known_friction
 from fotsmc_pin.arms.markup import parse_urdf, urdf_text
 from fotsmc_pin.arms.properties import write_properties
 from fotsmc_pin.arms.tool_point import placement
@@ -52,6 +53,7 @@ def written(
             more = float(values["stribeck"][k]) / own["friction"] if rubs else 0.0
             own |= {"stiction": 1.0 + more, "stribeck_velocity": stribeck_velocity}
         write_properties(tree, tree.joints[joint], own)
+    state_known_friction(tree.robot)
     every = (*arm.changes, *changes)
     comment = "\n".join([f"Changes to {arm.name}:", *(f"  {change}" for change in every)])
     return replace(arm, urdf=urdf_text(tree.robot, comment), name=name, changes=every)

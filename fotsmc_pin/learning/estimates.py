@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pinocchio as pin
 
-from fotsmc_pin.arms import Payload, perturb
+from fotsmc_pin.arms import Payload, perturb, with_known_friction
 from fotsmc_pin.arms.markup import parse_urdf
 from fotsmc_pin.arms.perturbation import moving_links
 from fotsmc_pin.arms.tool_point import placement
@@ -157,7 +157,7 @@ def learned_arm(arm: Arm, estimates: Estimates) -> Arm:
     def values(group: str) -> list[float]:
         return [row.value for row in estimates.group(group)]
 
-    return perturb(
+    learned = perturb(
         arm,
         mass_scale=scales,
         com_shift=_shifts(arm, estimates),
@@ -167,6 +167,7 @@ def learned_arm(arm: Arm, estimates: Estimates) -> Arm:
         friction=values("friction"),
         name=f"{arm.name}_learned",
     )
+    return with_known_friction(learned)
 
 
 def _shifts(arm: Arm, estimates: Estimates) -> dict[str, Array]:

@@ -1,5 +1,6 @@
 """Seeing a run: the offline Meshcat page, and figures for papers."""
 
+from fotsmc_pin.view.data_files import export_data
 from fotsmc_pin.view.export import export_html
 from fotsmc_pin.view.figures import (
     comparison_figure,
@@ -20,6 +21,7 @@ from fotsmc_pin.view.style import new_figure, paper_style, save_figure
 __all__ = [
     "comparison_figure",
     "distribution_figure",
+    "export_data",
     "export_html",
     "front_figure",
     "learning_figure",

@@ -113,14 +113,14 @@ def torque_figure_of(result: Identification, check: TorqueCheck) -> Figure:
             left, right = axes[j]
             unit = result.arm.effort_units[j]
             t = check.t[rows]
-            left.plot(t, check.measured[rows, j], color=GREY, label="measured")
+            left.plot(t, check.measured[rows, j], color=GREY, lw=1.8, label="measured")
             left.plot(t, check.by_nominal[rows, j], color=VERMILLION, lw=0.6, label="nominal arm")
             left.plot(t, check.predicted[rows, j], color=BLUE, lw=0.8, label="identified arm")
             left.set_ylabel(f"{name}\n[{unit}]", fontsize=6)
             missed = np.where(check.used, check.measured - check.predicted, np.nan)
             right.plot(t, missed[rows, j], color=BLUE, lw=0.6)
             right.axhline(0.0, **LIMIT)
-            right.set_ylabel(f"left [{unit}]", fontsize=6)
+            right.set_ylabel(f"residual [{unit}]", fontsize=6)
         label_time(axes)
         legend_above(figure, axes[0, 0])
     return figure

@@ -22,7 +22,8 @@ from scipy.optimize import least_squares
 
 import fotsmc_pin as fp
 from fotsmc_pin.arms.drive_size import drive_size
-from fotsmc_pin.control import CONTROLLERS, FrictionTerms
+from fotsmc_pin.control import CONTROLLERS
+from fotsmc_pin.control.model_terms import ModelTerms
 from fotsmc_pin.evaluation.stress.cases import chosen_cases
 from fotsmc_pin.evaluation.stress.judging import run_row
 from fotsmc_pin.evaluation.stress.suite import law_maker
@@ -36,7 +37,7 @@ from tests.identification import hidden
 
 SEEDS = (0, 1)
 CASE = "sine raw"
-FED = ", friction fed forward"
+UNTOLD = ", friction not told"
 
 
 def show(*cells):
@@ -106,12 +107,12 @@ def plants(names):
             show(*cells)
 
 
-def with_friction(make):
-    """Return a maker of the same law, with the arm's own friction fed forward."""
+def untold(make):
+    """Return a maker of the same law, which is not told the friction of its arm."""
 
     def made(arm, dt):
         law = make(arm, dt)
-        law.use_terms(FrictionTerms(arm))
+        law.use_terms(ModelTerms(arm.model))
         return law
 
     return made
@@ -121,7 +122,7 @@ def stress(names, laws=None):
     show("arm", "law", "nominal [mrad]", "identified [mrad]", "variation before", "after")
     (case,) = chosen_cases(CASE)
     makers = {law.__name__: law_maker(law) for law in CONTROLLERS.values()}
-    makers |= {f"{name}{FED}": with_friction(make) for name, make in makers.items()}
+    makers |= {f"{name}{UNTOLD}": untold(make) for name, make in makers.items()}
     for name in names:
         arm = fp.load_arm(name)
         scenario = case.scenario_of(arm)
@@ -134,8 +135,8 @@ def stress(names, laws=None):
         for label, make in makers.items():
             if laws and label not in laws:
                 continue
-            if label.endswith(FED):  # The nominal arm has none: the run is that without.
-                before = rows[label.removesuffix(FED)]
+            if label.endswith(UNTOLD):  # The nominal arm has none: the run is that before.
+                before = rows[label.removesuffix(UNTOLD)]
             else:
                 before = run_row(scenario, make(scenario.arm, scenario.dt), label)
             rows[label] = before

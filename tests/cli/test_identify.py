@@ -8,6 +8,8 @@ from fotsmc_pin.cli import app
 from fotsmc_pin.errors import LogError, OutputExistsError
 from tests.identification import hidden
 
+FIGURE = "data:image/"
+
 
 def said(*arguments):
     result = CliRunner().invoke(app, [str(argument) for argument in arguments])
@@ -37,10 +39,12 @@ def test_a_log_becomes_a_urdf_and_a_page(logs, tmp_path):
     assert "other.csv, predicted" in text
     assert "armature [kg·m²]" in text
     page = (tmp_path / "identified.html").read_text("utf-8")
-    for part in ("Base parameters", "Torque of other logs", "What could not be told", "<svg"[:1]):
+    for part in ("Base parameters", "Torque of other logs", "What could not be told", FIGURE):
         assert part in page
     assert "http://" not in page.replace("http://www.w3.org", "")
-    assert fp.load_arm(out).friction.min() > 0.0
+    identified = fp.load_arm(out)
+    assert identified.friction.min() > 0.0
+    assert identified.friction_is_known
     with pytest.raises(OutputExistsError, match="--force"):
         said(*words)
     weighed = said("payload", logs / "loaded.csv", "--urdf", out, "-o", tmp_path / "loaded.urdf")

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fotsmc_pin import checks
+from fotsmc_pin.control.controller import Controller
+from fotsmc_pin.control.friction_terms import FrictionTerms
+from fotsmc_pin.control.model_terms import ModelTerms
 from fotsmc_pin.control.safety.seen import Seen
 from fotsmc_pin.errors import ArgumentError
 
@@ -57,6 +60,18 @@ class Drives:
     def hides_friction(self) -> bool:
         """Whether the drives compensate friction."""
         return "friction" in self.compensates
+
+    def tell(self, controller: Any) -> None:
+        """Let a law whose model knows friction leave that to the drives, or take it up again."""
+        while not isinstance(controller, Controller):
+            controller = getattr(controller, "controller", None)
+            if controller is None:
+                return
+        known = isinstance(controller.model_terms, FrictionTerms)
+        if known and self.hides_friction:
+            controller.use_terms(ModelTerms(self._arm.model))
+        elif controller.arm.friction_is_known and type(controller.model_terms) is ModelTerms:
+            controller.use_terms(FrictionTerms(controller.arm))
 
     def added(self, q: Array | None, v: Array) -> Array:
         """Return the torque (nv,) that the drives add at `q` (nq,) and `v` (nv,).

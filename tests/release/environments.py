@@ -1,0 +1,82 @@
+"""Clean environments for release checks, and commands whose time is told."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import sys
+import time
+import tomllib
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+PYTHONS = ("3.11", "3.12", "3.13", "3.14")
+TAIL = 25
+"""Lines of a command that failed that are shown."""
+
+
+class CheckError(Exception):
+    """A command ended with another code than 0."""
+
+
+def run(words, cwd, shown=None):
+    """Run a command in a folder, say what it was and how long it took, and return its output.
+
+    Raises:
+        CheckError: with the end of its output.
+    """
+    started = time.perf_counter()
+    done = subprocess.run(
+        [str(word) for word in words], cwd=cwd, capture_output=True, text=True, check=False
+    )
+    text = done.stdout + done.stderr
+    name = shown or " ".join(str(word) for word in words)
+    verdict = "passed" if done.returncode == 0 else f"FAILED with code {done.returncode}"
+    say(f"{name}: {verdict} in {time.perf_counter() - started:.0f} s")
+    if done.returncode:
+        raise CheckError("\n".join(text.splitlines()[-TAIL:]))
+    return text
+
+
+def say(text):
+    """Print a line at once."""
+    sys.stdout.write(text + "\n")
+    sys.stdout.flush()
+
+
+def interpreter(version):
+    """Return the path of a Python of this version on this machine, or None."""
+    found = shutil.which(f"python{version}")
+    if found is None:
+        return None
+    probe = [found, "-c", "import sys; print('%d.%d' % sys.version_info[:2])"]
+    told = subprocess.run(probe, capture_output=True, text=True, check=False)
+    return found if told.returncode == 0 and told.stdout.strip() == version else None
+
+
+def environment(folder, python=sys.executable):
+    """Make an environment and return its folder of programs."""
+    run([python, "-m", "venv", folder], ROOT, f"environment of {Path(python).name}")
+    return folder / "bin"
+
+
+def lowest_versions():
+    """Return constraints that admit of every direct dependency only its lowest stated version."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    optional = project["optional-dependencies"]
+    stated = [*project["dependencies"], *optional["robots"], *optional["test"]]
+    inner = {name for words in stated for name in re.findall(r"fotsmc_pin\[(.*)\]", words)}
+    for names in inner:
+        stated += [words for name in names.split(",") for words in optional[name]]
+    pairs = (re.match(r"([\w.-]+)(?:\[.*?\])?>=([\d.]+)", words) for words in stated)
+    return sorted({f"{pair[1]}=={pair[2]}" for pair in pairs if pair})
+
+
+def clean_copy(folder):
+    """Copy what Git has of the checkout, without what is not committed, into a folder."""
+    archive = folder.with_suffix(".tar")
+    run(["git", "archive", "-o", archive, "HEAD"], ROOT, "copy of the last commit")
+    shutil.unpack_archive(archive, folder)
+    archive.unlink()
+    return folder
