@@ -180,7 +180,9 @@ class Controller(SharesNothing, ABC, Generic[G]):
             clean = cleaned_arguments(self.arm.nq, self.arm.nv, q, v, q_d, v_d, a_d)
             read_arguments(*clean, self._configurations, self._table)  # type: ignore[call-arg]
         if not self._euclidean:
-            self._read_difference(q, q_d)
+            demand_round(self.arm, "q", q, self.q)
+            demand_round(self.arm, "q_d", q_d, self._q_d)
+            self.joints.e[:] = pin.difference(self.arm.model, self._q_d, self.q)
         if dt is None:
             dt = self.dt
         else:
@@ -271,8 +273,7 @@ class Controller(SharesNothing, ABC, Generic[G]):
         self._signals = signal_views(
             self._table, self.Gains, self.State, self.Work, self.signal_rows
         )
-        feeds = self.arm.friction_is_known and self._feeds_friction
-        self.use_terms(FrictionTerms(self.arm) if feeds else ModelTerms(self.arm.model))
+        self._use_own_terms()
         q, v = self.q, self.joints.v
         restricted(read_arguments, q, v, q, v, v, self._configurations, self._table)
 
@@ -288,14 +289,12 @@ class Controller(SharesNothing, ABC, Generic[G]):
         self._arguments = (self._table, terms.M, terms.h, *chain(*streams))
         self._code = specialized(self.tick, self.dt, *self._arguments)
 
-    def leave_friction_out(self) -> None:
-        """Feed no friction forward, also where it is known: for drives that compensate it."""
-        self._feeds_friction = False
-        if isinstance(self._terms, FrictionTerms):
-            self.use_terms(ModelTerms(self.arm.model))
+    def feed_friction(self, wanted: bool) -> None:
+        """Feed friction that is known forward, or leave it to drives that compensate it."""
+        self._feeds_friction = wanted
+        if type(self._terms) in (ModelTerms, FrictionTerms):
+            self._use_own_terms()
 
-    def _read_difference(self, q: ArrayLike, q_d: ArrayLike) -> None:
-        """Read `e = q ⊖ q_d` of an arm with continuous joints, whose `q` are no plain vector."""
-        for name, value, found in (("q", q, self.q), ("q_d", q_d, self._q_d)):
-            demand_round(self.arm, name, value, found)
-        self.joints.e[:] = pin.difference(self.arm.model, self._q_d, self.q)
+    def _use_own_terms(self) -> None:
+        feeds = self.arm.friction_is_known and self._feeds_friction
+        self.use_terms(FrictionTerms(self.arm) if feeds else ModelTerms(self.arm.model))

@@ -36,9 +36,9 @@ class Wrapper(SharesNothing):
         about: dict[str, Any] = getattr(self.controller, "about", {})
         return about
 
-    def leave_friction_out(self) -> None:
-        """See `Controller.leave_friction_out`."""
-        self.controller.leave_friction_out()
+    def feed_friction(self, wanted: bool) -> None:
+        """See `Controller.feed_friction`."""
+        self.controller.feed_friction(wanted)
 
     @property
     def signals(self) -> dict[str, Array]:

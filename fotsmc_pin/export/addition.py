@@ -112,8 +112,6 @@ class KnownFriction(Addition):
 
 def addition_of(controller: Controller, program: Program) -> Addition:
     """Return what stands around the tick of a law that nothing wraps."""
-    terms, known = controller._terms, controller.arm.friction_is_known
-    if controller.uses_model and (known or isinstance(terms, FrictionTerms)):
-        own = terms if isinstance(terms, FrictionTerms) else FrictionTerms(controller.arm)
-        return KnownFriction(own, program)
-    return Addition()
+    terms = controller._terms
+    feeds = controller.uses_model and isinstance(terms, FrictionTerms)
+    return KnownFriction(terms, program) if feeds else Addition()

@@ -1,5 +1,7 @@
 """What a commanded torque means: drives that add gravity, Coriolis torque or friction."""
 
+import copy
+
 import numpy as np
 import pytest
 
@@ -109,6 +111,22 @@ def test_friction_is_not_compensated_twice(arm):
         v = np.ones(2)
         torques.append(guarded.update(arm.neutral, v, arm.neutral, v, np.zeros(2)))
     np.testing.assert_allclose(torques[0] - torques[1], [5.0, 5.0], atol=1e-9)
+
+
+def test_friction_that_a_law_knows_is_left_to_drives_that_hide_it(arm, monkeypatch):
+    monkeypatch.setattr(type(arm), "friction_is_known", True)
+    known = fp.perturb(arm, friction=5.0)
+    torques = []
+    for words in (("friction",), (), ("friction",)):
+        guarded = fp.Safeguard(fp.ComputedTorque(known, DT), soft_start=0.0)
+        guarded.compensates = words
+        v = np.ones(2)
+        state = (arm.neutral, v, arm.neutral, v, np.zeros(2))
+        twin = copy.deepcopy(guarded)
+        torques.append(guarded.update(*state))
+        np.testing.assert_array_equal(twin.update(*state), torques[-1])
+    np.testing.assert_allclose(torques[1] - torques[0], [5.0, 5.0], atol=1e-9)
+    np.testing.assert_array_equal(torques[0], torques[2])
 
 
 def test_the_law_and_the_estimator_are_told_what_acts(arm):

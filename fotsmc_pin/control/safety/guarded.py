@@ -55,8 +55,8 @@ class Guarded(Protocol):
         """
         ...
 
-    def leave_friction_out(self) -> None:
-        """Feed no friction forward, as the drives compensate it."""
+    def feed_friction(self, wanted: bool) -> None:
+        """Feed friction that is known forward, or leave it to the drives."""
         ...
 
     def reset(self) -> None:

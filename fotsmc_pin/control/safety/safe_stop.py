@@ -9,6 +9,7 @@ import numpy as np
 
 from fotsmc_pin.control.safety.brake import Brake, beyond_inertia
 from fotsmc_pin.control.safety.braking_path import BrakingPath
+from fotsmc_pin.control.safety.seen import Seen
 from fotsmc_pin.control.safety.steps import is_kept
 from fotsmc_pin.control.saved_state import part, present, with_prefix
 from fotsmc_pin.copying import SharesNothing
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from fotsmc_pin.arms import Arm
-    from fotsmc_pin.control.safety.seen import Seen
     from fotsmc_pin.types import Array
 
 NEAR, ALIKE = 0.05, 0.2
@@ -49,7 +49,7 @@ class SafeStop(SharesNothing):
             least: least time in which a joint brakes [s].
             fastest: speed at which a stop begins (nv,).
         """
-        self.arm, self._least, self._fastest = arm, least, fastest
+        self.arm, self._dt, self._least, self._fastest = arm, dt, least, fastest
         self.path, self.brake = BrakingPath(arm), Brake(arm, dt)
         self.reset()
 
@@ -100,6 +100,16 @@ class SafeStop(SharesNothing):
         q, v = target[:2] if state is None else state
         e = self.arm.difference(target[0], q)
         return self.brake.torque(e, v, target[1:], seen.mass_matrix, seen.h, dt)
+
+    def run_through(self) -> Seen:
+        """Stop an arm at rest, which compiles all kernels, and forget it; return where it stood."""
+        q, still, seen = self.arm.neutral, np.zeros(self.arm.nv), Seen(self.arm)
+        seen.see(q, still)
+        self.begin(seen, (q, still, still), still)
+        target = self.advance((q, still), seen, still, self._dt)
+        self.torque(None, seen, target, self._dt)
+        self.reset()
+        return seen
 
     def save_state(self) -> dict[str, Array]:
         """Return everything that is remembered, as arrays."""

@@ -85,9 +85,8 @@ class Safeguard(Wrapper):
         self._friction = friction_compensation
         default = 10.0 * self.dt if watchdog is None else watchdog
         self.watchdog = checks.finite_number("watchdog", default, above=0.0)
-        self._fastest = self.arm.velocity_limit * checks.finite_number(
-            "speed_margin", speed_margin, above=0.0
-        )
+        margin = checks.finite_number("speed_margin", speed_margin, above=0.0)
+        self._fastest = margin * self.arm.velocity_limit
         self.stop_ramp = checks.finite_number("stop_ramp", stop_ramp, above=0.0)
         self._stop = SafeStop(self.arm, self.dt, self.stop_ramp, self._fastest)
         limited = None if torque_rate is None else self._rate
@@ -111,9 +110,8 @@ class Safeguard(Wrapper):
 
     @compensates.setter
     def compensates(self, words: tuple[str, ...]) -> None:
-        self._output.drives = Drives(self.arm, words)
-        if self._output.drives.hides_friction:
-            self.controller.leave_friction_out()
+        drives = self._output.drives = Drives(self.arm, words)
+        self.controller.feed_friction(not drives.hides_friction)
 
     @property
     def sent(self) -> Array:
@@ -263,13 +261,12 @@ class Safeguard(Wrapper):
         self, state: tuple[Array, Array] | None, q_d: Any, v_d: Any, a_d: Any, period: float
     ) -> tuple[Array, Array, Array] | None:
         """Return the reference, softly led into; None where it is not to be followed."""
-        if self.stopped is not None or state is None:
-            return None
-        try:
-            return self._lead.lead(*state, q_d, v_d, a_d, period)
-        except (TypeError, ValueError) as error:
-            self.stop(f"reference: {error}", trust_law=False)
-            return None
+        if self.stopped is None and state is not None:
+            try:
+                return self._lead.lead(*state, q_d, v_d, a_d, period)
+            except (TypeError, ValueError) as error:
+                self.stop(f"reference: {error}", trust_law=False)
+        return None
 
     def _braking(
         self, state: tuple[Array, Array] | None, period: float, *, is_believed: bool
@@ -288,12 +285,7 @@ class Safeguard(Wrapper):
 
     def _compile(self) -> None:
         """Run through a stop, so that none has to wait for the compiler."""
-        q, zero, seen = self.arm.neutral, np.zeros(self.arm.nv), Seen(self.arm)
-        seen.see(q, zero)
-        self._stop.begin(seen, (q, zero, zero), self._output.recent)
-        target = self._stop.advance((q, zero), seen, zero, self.dt)
-        tau = self._stop.torque(None, seen, target, self.dt)
-        too_fast(zero, self._fastest)
-        slowed(tau, self._fastest)
-        copy.copy(self._output).send(tau, seen, self.dt)
-        self._stop.reset()
+        speed, seen = np.zeros(self.arm.nv), self._stop.run_through()
+        if not too_fast(speed, self._fastest):
+            slowed(speed, self._fastest)
+        copy.copy(self._output).send(speed, seen, self.dt)
