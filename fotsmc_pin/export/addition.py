@@ -113,5 +113,6 @@ class KnownFriction(Addition):
 def addition_of(controller: Controller, program: Program) -> Addition:
     """Return what stands around the tick of a law that nothing wraps."""
     terms = controller._terms
-    feeds = controller.uses_model and isinstance(terms, FrictionTerms)
-    return KnownFriction(terms, program) if feeds else Addition()
+    if controller.uses_model and isinstance(terms, FrictionTerms):
+        return KnownFriction(terms, program)
+    return Addition()

@@ -56,7 +56,10 @@ def test_it_holds_what_was_measured_wanted_and_sent(arm, run):
     gravity = np.array([arm.gravity(q) for q in rec.q])
     np.testing.assert_allclose(rec.tau - rec.signals["sent"], gravity, atol=1e-9)
     # The drives add gravity as the arm moves on, the declaration as it was at the tick.
-    np.testing.assert_allclose(rec.tau_measured, rec.tau, atol=0.5)
+    # Of a tick that a busy machine drew out, gravity is another at its end.
+    periods = rec.signals["period"][:, 0]
+    short = np.maximum(periods, np.append(periods[1:], 0.0)) < 5.0 * DT
+    np.testing.assert_allclose(rec.tau_measured[short], rec.tau[short], atol=0.5)
     assert {"s", "z"} <= set(rec.signals)
     stopping = rec.signals["stopping"][:, 0]
     assert stopping[0] == 0.0
