@@ -275,6 +275,14 @@ class Controller(SharesNothing, ABC, Generic[G]):
         self._arguments = (self._table, terms.M, terms.h, *chain(*streams))
         self._code = specialized(self.tick, self.dt, *self._arguments)
 
+    @property
+    def compiled(self) -> tuple[Callable[..., None], tuple[Any, ...]]:
+        """The tick as machine code and what it takes after `dt`, for wrappers that fill the rows.
+
+        Both change when the terms do, or the state is restored.
+        """
+        return self._code, self._arguments
+
     def _read_difference(self, q: ArrayLike, q_d: ArrayLike) -> None:
         """Read `e = q ⊖ q_d` of an arm with continuous joints, whose `q` are no plain vector."""
         for name, value, found in (("q", q, self.q), ("q_d", q_d, self._q_d)):
