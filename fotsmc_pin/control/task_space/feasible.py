@@ -21,7 +21,7 @@ APPROACH = 0.5
 """Share of the joints' velocity limits at which a far goal is approached."""
 FASTEST = 0.95
 """Share of them that the point never exceeds."""
-BRAKING, LIVELIEST = 0.3, 20.0
+BRAKING, LIVELIEST = 0.3, 4.0
 """Share of the effort limit over the joint's inertia that an approach may ask for, as an
 acceleration; and the most that it asks for [rad/s², m/s²]."""
 VIOLENT = 5.0
