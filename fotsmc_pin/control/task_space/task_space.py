@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -200,6 +201,13 @@ class TaskSpace(TaskMemory):
         tau: Array = joints.tau.copy()
         return tau
 
+
+    def law_alone(self) -> Controller[Any]:
+        """Return a copy of the law with the inertia and limits of the body that it was made for."""
+        twin = copy.copy(self.law)
+        twin.joints.effort_limit[:] = twin.arm.effort_limit
+        twin.reset()
+        return twin
 
     def _begin(self) -> None:
         """Let the point start where the arm is, at its speed."""
