@@ -24,8 +24,9 @@ FASTEST = 0.95
 BRAKING, LIVELIEST = 0.3, 4.0
 """Share of the effort limit over the joint's inertia that an approach may ask for, as an
 acceleration; and the most that it asks for [rad/s², m/s²]."""
-VIOLENT = 5.0
-"""Acceleration over that of an approach which the point never exceeds."""
+VIOLENT, JERK = 5.0, 100.0
+"""Acceleration over that of an approach which the point never exceeds, and the most by which it
+changes in a second, so that no torque jumps [1/s]."""
 MARGIN, SHARE = 0.2, 0.1
 """Room before a joint's end in which posture moves away from it [rad, m]; and the share of the
 joint's range that it is at most."""
@@ -39,6 +40,7 @@ class PointRows(NamedTuple):
     Attributes:
         v: its speed [rad/s].
         a: its acceleration [rad/s²].
+        last_a: that of the last tick [rad/s²].
         move: what it moves in this tick [rad].
         away: how far it is from the posture that is wanted [rad].
         livest: acceleration that an approach may ask for [rad/s²].
@@ -54,6 +56,7 @@ class PointRows(NamedTuple):
 
     v: Array
     a: Array
+    last_a: Array
     move: Array
     away: Array
     livest: Array
@@ -83,7 +86,8 @@ def lead_point(
 
     `r ≤ 1` slows a far approach so that every joint keeps to half of its velocity limit, and can
     stop in time with 0.3 of its effort limit. What a joint's speed and acceleration exceed slows
-    all joints alike, so that the direction of the motion stays.
+    all joints alike, so that the direction of the motion stays; and the acceleration changes by no
+    more than 100 times that of an approach in a second.
     """
     n = p.v.size
     # The approach: r
@@ -129,5 +133,12 @@ def lead_point(
         down = math.sqrt(2.0 * p.livest[j] * max(position[j] - p.lower[j], 0.0))
         wanted = min(max(wanted, -down), up)
         p.a[j] = (wanted - p.v[j]) / dt
-        p.move[j] = 0.5 * dt * (p.v[j] + wanted)
-        p.asked[j] = wanted
+    share = 1.0
+    for j in range(n):
+        change = abs(p.a[j] - p.last_a[j])
+        share = min(share, JERK * dt * p.livest[j] / max(change, 1e-12))
+    for j in range(n):
+        p.a[j] = p.last_a[j] + share * (p.a[j] - p.last_a[j])
+        p.last_a[j] = p.a[j]
+        p.asked[j] = p.v[j] + dt * p.a[j]
+        p.move[j] = 0.5 * dt * (p.v[j] + p.asked[j])

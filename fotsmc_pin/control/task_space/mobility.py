@@ -19,6 +19,8 @@ SWEEPS, NEGLIGIBLE = 12, 1e-15
 """Most sweeps of Jacobi's method, and the part of the matrix that is left off its diagonal."""
 SMALLEST = 1e-12
 """Smallest pivot of a Cholesky factor, over the largest entry of the diagonal."""
+NEAR = 0.01
+"""Square of a singular value, over its threshold, below which its mobility is not told by it."""
 
 
 @kernel
@@ -109,12 +111,14 @@ def task_inertia(
 
     With `S = diag(1 or ℓ)`, which makes rotations ways, and `S J Jᵀ S = Σ σ_i² u_i u_iᵀ`,
 
-        Λ = S (S J M⁻¹ Jᵀ S + Σ γ_i u_i u_iᵀ)⁻¹ S,   γ_i = λ_i (1 - s²)² / s²,   s = σ_i/σ_0 < 1
+        Λ = S (S J M⁻¹ Jᵀ S + Σ γ_i u_i u_iᵀ)⁻¹ S
+        γ_i = (1 - s²)² (λ_i + ε c) / (s² + ε),   s = σ_i/σ_0 < 1,   ε = 0.01
 
-    and `γ_i = 0` elsewhere. `λ_i = u_iᵀ S J M⁻¹ Jᵀ S u_i` goes with `σ_i²`, so that `γ_i` is
-    continuous, also through `σ_i = 0`, and of an acceleration along `u_i` about the share
-    `s² / (s² + (1 - s²)²)` is kept. The singular values are computed only where
-    `tr (S J Jᵀ S)⁻¹ ≥ 1/σ_0²`, which every `σ_i < σ_0` implies.
+    and `γ_i = 0` elsewhere. The mobility `λ_i = u_iᵀ S J M⁻¹ Jᵀ S u_i` goes with `σ_i²`, so that
+    of an acceleration along `u_i` about the share `s² / (s² + (1 - s²)²)` is kept; `c` is the
+    mean of `λ_j / s_j²` over all directions, and keeps `γ_i` continuous through `σ_i = 0`. The
+    singular values are computed only where `tr (S J Jᵀ S)⁻¹ ≥ 1/σ_0²`, which every `σ_i < σ_0`
+    implies.
 
     Args:
         J: Jacobian of the directions (m, nv).
@@ -154,9 +158,11 @@ def task_inertia(
     kept = 1.0
     if trace * threshold * threshold >= 1.0:
         eigen(G, m, U)
-        mean = 0.0
+        mobility, square = 0.0, 0.0
         for a in range(m):
-            mean += A[a, a] / m
+            mobility += A[a, a]
+            square += G[a, a]
+        mean = mobility / square * threshold * threshold
         for i in range(m):
             s = math.sqrt(max(G[i, i], 0.0)) / threshold
             if s >= 1.0:
@@ -165,7 +171,7 @@ def task_inertia(
             for a in range(m):
                 for b in range(m):
                     along += U[a, i] * A[a, b] * U[b, i]
-            F[0, i] = max(along / max(s * s, 1e-6), 1e-6 * mean) * (1.0 - s * s) ** 2
+            F[0, i] = (along + NEAR * mean) / (s * s + NEAR) * (1.0 - s * s) ** 2
             kept = min(kept, kept_share(s))
         for i in range(m):
             if G[i, i] >= threshold * threshold:
