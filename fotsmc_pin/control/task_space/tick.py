@@ -121,11 +121,13 @@ def see(
     """Move the point and write what the law is to see: a mechanical system of `m` directions.
 
     The law's `M0` is `Λ`, its position error the error of the tool from the point's tool, its
-    speed `E V`, its reference's `E V_l`, its acceleration
+    speed `E V`, its reference's acceleration `d/dt (E V_l)`, its own
 
         d/dt (E V) = Λ⁻¹ F + E J̇ v + Ė V,   so that   h = -Λ (E J̇ v + Ė V)
 
-    where the joints' `C0 v + G0` are already made up for. Returns whether posture has a say.
+    where the joints' `C0 v + G0` are already made up for. Its reference's speed, by which laws tell
+    rest, is that of the fastest joint of the point in every direction: what sticks is joints, and
+    no direction is at rest while one of them is to move. Returns whether posture has a say.
     """
     t, p, x = named_rows(tool, ToolRows), named_rows(point, PointRows), named_rows(joints, Joints)
     b, seen = named_rows(numbers, Numbers), rows(table, Gains, NoRows, NoRows)[0]
@@ -174,13 +176,15 @@ def see(
     error_of(X[:3], X[3, :3], kind, t.error[:m], E[:m], s)
     seen_from(pose_t, pose, X)
     compare(X, t.V, t.V_t, t.A_t, kind, m, t, t.e, E, E_dot, s)
+    fastest = 0.0
+    for j in range(n):
+        fastest = max(fastest, abs(p.v[j]))
     for i in range(m):
-        seen.e[i] = t.e[i]
-        seen.e_dot[i] = seen.v[i] = seen.v_d[i] = seen.a_d[i] = t.x[i] = 0.0
+        seen.e[i], seen.v_d[i] = t.e[i], fastest
+        seen.e_dot[i] = seen.v[i] = seen.a_d[i] = t.x[i] = 0.0
         for j in range(6):
             seen.e_dot[i] += E[i, j] * t.nu[j]
             seen.v[i] += E[i, j] * t.V[j]
-            seen.v_d[i] += E[i, j] * t.led[j]
             seen.a_d[i] += E[i, j] * t.led_rate[j] + E_dot[i, j] * t.led[j]
             t.x[i] -= E[i, j] * t.bias[j] + E_dot[i, j] * t.V[j]
         for c in range(n):
