@@ -21,6 +21,7 @@ from .control import (
     Safeguard as Safeguard,
     SpringObserver as SpringObserver,
     SuperTwistingSMC as SuperTwistingSMC,
+    TaskSpace as TaskSpace,
     TDEFONTSM as TDEFONTSM,
     TerminalSMC as TerminalSMC,
 )
