@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fotsmc_pin import checks
-from fotsmc_pin.control.safety.soft_start import SoftStart
+from fotsmc_pin.control.safety.soft_start import SoftStart, Unled
 from fotsmc_pin.control.safety.steps import stopping, too_fast, within_limits, within_rate
 from fotsmc_pin.control.saved_state import part, present, with_prefix
 from fotsmc_pin.control.wrapper import Wrapper
@@ -68,7 +68,9 @@ class Safeguard(Wrapper):
             ArgumentError: a number out of its bounds.
         """
         self.controller, self.arm, self.dt = controller, controller.arm, controller.dt
-        self._lead = SoftStart(self.arm, soft_start)
+        # A task starts where the arm is by itself, and its reference are poses.
+        starts_softly = getattr(controller, "follows_poses", False)
+        self._lead = Unled() if starts_softly else SoftStart(self.arm, soft_start)
         self._rate = (
             None
             if torque_rate is None

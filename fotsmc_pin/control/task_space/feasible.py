@@ -30,8 +30,10 @@ changes in a second, so that no torque jumps [1/s]."""
 MARGIN, SHARE = 0.2, 0.1
 """Room before a joint's end in which posture moves away from it [rad, m]; and the share of the
 joint's range that it is at most."""
-REPULSION = 50.0
-"""Acceleration per room that is missing [1/s²]."""
+REPULSION, CALMING = 50.0, 14.0
+"""Acceleration per room that is missing [1/s²], and damping of a joint that has none left [1/s]."""
+CLOSED = 0.25
+"""Room over the margin at which the task no longer moves a joint."""
 
 
 class PointRows(NamedTuple):
@@ -50,6 +52,7 @@ class PointRows(NamedTuple):
         rising: speed that it takes on to close what is open [rad/s].
         asked: scratch, then the speed that it takes on.
         free: scratch.
+        open: share by which the task moves a joint: 1, falling to 0 before its end.
         moves: 1 for the joints that move the tool, 0 for others.
         position: of each joint; 0 where it turns without end [rad].
     """
@@ -66,20 +69,37 @@ class PointRows(NamedTuple):
     rising: Array
     asked: Array
     free: Array
+    open: Array
     moves: Array
     position: Array
+
+
+@kernel(is_part=True)
+def open_joints(p: PointRows, m: int, J: Array, J_open: Array) -> None:
+    """Write the share by which each joint takes part, and the Jacobian with these shares.
+
+    It goes from 1 where a joint has `MARGIN` of room to 0 where it has a quarter of that: what the
+    joint would have done is done by others, or given up as at a singularity.
+    """
+    for j in range(p.v.size):
+        margin = min(MARGIN, SHARE * (p.upper[j] - p.lower[j]))
+        room = min(p.position[j] - p.lower[j], p.upper[j] - p.position[j])
+        u = min(max((room / margin - CLOSED) / (1.0 - CLOSED), 0.0), 1.0)
+        p.open[j] = u * u * (3.0 - 2.0 * u)
+        for i in range(m):
+            J_open[i, j] = p.open[j] * J[i, j]
 
 
 @kernel(is_part=True)
 def lead_point(
     dt: float, rate: float, posture_rate: float, m: int, p: PointRows,
     J: Array, L: Array, Y: Array, Lambda: Array,
-    e: Array, e_dot: Array, beta: Array, x: Array, f: Array, position: Array,
+    e: Array, e_dot: Array, beta: Array, x: Array, f: Array,
 ) -> None:  # fmt: skip
     """Choose the acceleration of the point, and move its speed by one tick.
 
     With the error `e` of its tool from what is asked, which moves with `ë = J a + β`, and
-    the damped inverse `J̄`,
+    the damped inverse `J̄`, to whose rows the shares of `open_joints` belong,
 
         a = J̄ (-2ω (ė + r ω/2 e) - β) + (1 - J̄ J) a_p
         a_p = -ω_p² (q ⊖ q_p) - 2 ω_p v + repulsion of joint ends
@@ -93,7 +113,9 @@ def lead_point(
     # The approach: r
     to_joints(L, Y, Lambda, m, e, p.rising, f)
     r = 1.0
+    position = p.position
     for j in range(n):
+        p.rising[j] *= p.open[j]
         way = abs(p.rising[j])
         if way > 0.0:
             most = min(APPROACH * p.fastest[j], math.sqrt(p.livest[j] * way))
@@ -103,7 +125,7 @@ def lead_point(
     to_joints(L, Y, Lambda, m, x, p.asked, f)
     share = 1.0
     for j in range(n):
-        share = min(share, p.livest[j] / max(abs(p.asked[j]), 1e-12))
+        share = min(share, p.livest[j] / max(abs(p.open[j] * p.asked[j]), 1e-12))
     for i in range(m):
         x[i] = share * x[i] - beta[i]
     # Posture, in what the task leaves
@@ -113,6 +135,7 @@ def lead_point(
         size = max(size, abs(p.free[j]) / p.livest[j])
     for j in range(n):
         p.free[j] /= max(size, 1.0)
+        p.free[j] -= CALMING * (1.0 - p.open[j]) * p.v[j]
         margin = min(MARGIN, SHARE * (p.upper[j] - p.lower[j]))
         p.free[j] += REPULSION * max(margin - (position[j] - p.lower[j]), 0.0)
         p.free[j] -= REPULSION * max(margin - (p.upper[j] - position[j]), 0.0)
@@ -122,7 +145,7 @@ def lead_point(
     to_joints(L, Y, Lambda, m, x, p.a, f)
     share, slower = 1.0, 1.0
     for j in range(n):
-        p.a[j] += p.free[j]
+        p.a[j] = p.open[j] * p.a[j] + p.free[j]
         share = min(share, VIOLENT * p.livest[j] / max(abs(p.a[j]), 1e-12))
     for j in range(n):
         p.asked[j] = p.v[j] + dt * share * p.a[j]

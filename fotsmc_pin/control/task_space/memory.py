@@ -5,15 +5,17 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pinocchio as pin
 
 from fotsmc_pin import checks
-from fotsmc_pin.compiled import specialized
+from fotsmc_pin.compiled import restricted, specialized
 from fotsmc_pin.control.model_terms import ModelTerms
 from fotsmc_pin.control.rows import Joints, named_rows
 from fotsmc_pin.control.saved_state import part, present, with_prefix
 from fotsmc_pin.control.task_space.configurations import places_in_q
 from fotsmc_pin.control.task_space.feasible import PointRows
 from fotsmc_pin.control.task_space.frames import joints_that_move, mount_of
+from fotsmc_pin.control.task_space.given import read_motion
 from fotsmc_pin.control.task_space.tick import Numbers, ToolRows, act, see
 from fotsmc_pin.copying import SharesNothing
 
@@ -202,13 +204,12 @@ class TaskMemory(SharesNothing):
 
     def _link(self) -> None:
         """Make what only refers to the arrays: the named rows, Pinocchio's memory, the code."""
-        m, n = len(self.directions), self.arm.nv
+        m = len(self.directions)
         self.q = self._configurations[0]
         self.joints = named_rows(self._joints, Joints)
         self._p, self._n = named_rows(self._point, PointRows), named_rows(self._numbers, Numbers)
         self._data, self._data_t = self.arm.model.createData(), self.arm.model.createData()
         tool = named_rows(self._tool, ToolRows)
-        kept = self._numbers[[k for k, name in enumerate(Numbers._fields) if "kept" in name]]
         first = Numbers._fields.index("kept")
         kept = self._numbers[first : first + 2, 0]
         self._signals = {
@@ -219,6 +220,9 @@ class TaskMemory(SharesNothing):
             "given_up": tool.given_up[:m],
             "kept": kept,
         }
+        six, pose = np.zeros(6), pin.SE3.Identity().homogeneous
+        memory = (self._configurations, self._joints, self._tool, self._poses)
+        restricted(read_motion, self.q, self.joints.v, pose, six, six, *memory)
         self.law.use_terms(TaskTerms(self._mobility, self._drift))
         self._signals = {**self.law.live_signals, **self._signals}
         self.use_terms(ModelTerms(self.arm.model))
@@ -226,7 +230,7 @@ class TaskMemory(SharesNothing):
     def _link_kernels(self) -> None:
         m, n = len(self.directions), self.arm.nv
         terms, law = self._terms, self.law
-        Js, L, Ys = np.zeros((3, 6, n)), np.zeros((n, n)), np.zeros((2, n, m))
+        Js, L, Ys = np.zeros((4, 6, n)), np.zeros((n, n)), np.zeros((2, n, m))
         seats = []
         joint = self.arm.model.frames[self._frame].parentJoint
         for data in (self._data, self._data_t):

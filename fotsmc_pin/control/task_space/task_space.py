@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
     Maker: TypeAlias = Callable[..., Controller]
 
-LENGTH, THRESHOLD = 0.1, 0.03
+LENGTH, THRESHOLD = 0.1, 0.01
 """Way that a radian counts as, and singular value below which a direction is given up, both over
 the arm's reach."""
 SNAPSHOT = 0.5
@@ -110,7 +110,7 @@ class TaskSpace(TaskMemory):
                 default.
             posture_law: as `law`, for the posture.
             length: what a radian counts as [m]; a tenth of the arm's reach by default.
-            threshold: `σ_0` of `mobility` [m]; 0.03 of the arm's reach by default.
+            threshold: `σ_0` of `mobility` [m]; 0.01 of the arm's reach by default.
             **gains: of the law, where `law` is a class.
 
         Raises:

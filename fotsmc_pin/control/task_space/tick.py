@@ -9,7 +9,7 @@ from fotsmc_pin.control.functions import clip
 from fotsmc_pin.control.gains import Gains
 from fotsmc_pin.control.rows import Joints, NoRows, named_rows, rows
 from fotsmc_pin.control.task_space.configurations import difference, step
-from fotsmc_pin.control.task_space.feasible import BRAKING, LIVELIEST, PointRows, lead_point
+from fotsmc_pin.control.task_space.feasible import BRAKING, LIVELIEST, PointRows, lead_point, open_joints
 from fotsmc_pin.control.task_space.mobility import factor, task_inertia
 from fotsmc_pin.control.task_space.pose_log import error_of, rate_of_rate
 from fotsmc_pin.control.task_space.tool_motion import (
@@ -136,7 +136,7 @@ def see(
     pose_d, pose, pose_t, X = poses[0], poses[1], poses[2], poses[3]
     J, J_t, Je = Js[0], Js[1], Js[2]
     E, E_dot, s = squares[0], squares[1], scratch
-    mount, moves, position = poses[4], p.moves, p.position
+    mount, moves = poses[4], p.moves
     tool_motion(turn, place, columns, rates, mount, moves, x.v, pose, J, t.V, t.bias)
     tool_motion(
         turn_t, place_t, columns_t, rates_t, mount, moves, p.v, pose_t, J_t, t.V_t, t.bias_t
@@ -156,15 +156,16 @@ def see(
             for j in range(6):
                 Je[i, c] += E[i, j] * J_t[j, c]
     Y, work = Ys[0], squares[2:]
-    b.kept_t[0] = task_inertia(Je, L, m, t.scale, b.threshold[0], Y, Lambda, work)
     difference(q_p, q_t, places, p.away)
     for j in range(n):
         k = places[0, j]
-        position[j] = q_t[k] if places[1, j] == 1 else 0.0
+        p.position[j] = q_t[k] if places[1, j] == 1 else 0.0
         p.livest[j] = min(BRAKING * x.effort_limit[j] / M0[j, j], LIVELIEST)
+    open_joints(p, m, Je, Js[3])
+    b.kept_t[0] = task_inertia(Js[3], L, m, t.scale, b.threshold[0], Y, Lambda, work)
     lead_point(
         dt, b.rate[0], b.posture_rate[0], m, p, Je, L, Y, Lambda, t.given_up, t.e_dot, t.beta,
-        t.x, t.f, position,
+        t.x, t.f,
     )  # fmt: skip
     for i in range(6):
         t.A_t[i] = t.bias_t[i]
