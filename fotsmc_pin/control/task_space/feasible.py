@@ -94,7 +94,7 @@ def open_joints(p: PointRows, m: int, J: Array, J_open: Array) -> None:
 def lead_point(
     dt: float, rate: float, posture_rate: float, m: int, p: PointRows,
     J: Array, L: Array, Y: Array, Lambda: Array,
-    e: Array, e_dot: Array, beta: Array, x: Array, f: Array,
+    e: Array, e_dot: Array, beta: Array, x: Array, f: Array, lost: float,
 ) -> None:  # fmt: skip
     """Choose the acceleration of the point, and move its speed by one tick.
 
@@ -102,12 +102,14 @@ def lead_point(
     the damped inverse `J̄`, to whose rows the shares of `open_joints` belong,
 
         a = J̄ (-2ω (ė + r ω/2 e) - β) + (1 - J̄ J) a_p
-        a_p = -ω_p² (q ⊖ q_p) - 2 ω_p v + repulsion of joint ends
+        a_p = -ω_p² (q ⊖ q_p) - 2 ω_p v - ω l v + repulsion of joint ends
 
     `r ≤ 1` slows a far approach so that every joint keeps to half of its velocity limit, and can
     stop in time with 0.3 of its effort limit. What a joint's speed and acceleration exceed slows
     all joints alike, so that the direction of the motion stays; and the acceleration changes by no
-    more than 100 times that of an approach in a second.
+    more than 100 times that of an approach in a second. What pulls the point to where it cannot go
+    is a spring about a singularity that nothing damps: `l ≤ 1` does, where directions are given up
+    and the goal is far.
     """
     n = p.v.size
     # The approach: r
@@ -134,7 +136,7 @@ def lead_point(
         p.free[j] = -posture_rate * (posture_rate * p.away[j] + 2.0 * p.v[j])
         size = max(size, abs(p.free[j]) / p.livest[j])
     for j in range(n):
-        p.free[j] /= max(size, 1.0)
+        p.free[j] = p.free[j] / max(size, 1.0) - rate * lost * p.v[j]
         p.free[j] -= CALMING * (1.0 - p.open[j]) * p.v[j]
         margin = min(MARGIN, SHARE * (p.upper[j] - p.lower[j]))
         p.free[j] += REPULSION * max(margin - (position[j] - p.lower[j]), 0.0)

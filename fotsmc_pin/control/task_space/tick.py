@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, NamedTuple
 
 from fotsmc_pin.compiled import kernel
@@ -25,6 +26,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fotsmc_pin.types import Array
+
+
+FAR = 2.0
+"""Error over `σ_0` from which on a goal counts as one that is not reached."""
 
 
 class ToolRows(NamedTuple):
@@ -163,9 +168,13 @@ def see(
         p.livest[j] = min(BRAKING * x.effort_limit[j] / M0[j, j], LIVELIEST)
     open_joints(p, m, Je, Js[3])
     b.kept_t[0] = task_inertia(Js[3], L, m, t.scale, b.threshold[0], Y, Lambda, work)
+    far = 0.0
+    for i in range(m):
+        far += (t.scale[i] * t.given_up[i]) ** 2
+    lost = (1.0 - b.kept_t[0]) * min(math.sqrt(far) / (FAR * b.threshold[0]), 1.0)
     lead_point(
         dt, b.rate[0], b.posture_rate[0], m, p, Je, L, Y, Lambda, t.given_up, t.e_dot, t.beta,
-        t.x, t.f,
+        t.x, t.f, lost,
     )  # fmt: skip
     for i in range(6):
         t.A_t[i] = t.bias_t[i]
