@@ -10,6 +10,7 @@ from .arms import (
 )
 from .control import (
     AdaptiveFONFTSM as AdaptiveFONFTSM,
+    CartesianImpedance as CartesianImpedance,
     ComputedTorque as ComputedTorque,
     ContinuousTSM as ContinuousTSM,
     Controller as Controller,
