@@ -253,6 +253,7 @@ class TaskMemory(SharesNothing):
             np.zeros((7, 6, 6)),
             np.zeros((24, 6)),
             self._quaternions,
+            self.posture_law.joints.e.base,
             table,
             self._mobility,
             self._drift,

@@ -23,7 +23,7 @@ NEAR = 0.01
 """Square of a singular value, over its threshold, below which its mobility is not told by it."""
 
 
-@kernel
+@kernel(is_part=True)
 def factor(A: Array, n: int, L: Array) -> None:
     """Write the Cholesky factor of the leading (n, n) of `A` into the lower half of `L`."""
     largest = 0.0
@@ -42,19 +42,15 @@ def factor(A: Array, n: int, L: Array) -> None:
             L[i, j] = entry / root
 
 
-@kernel
-def invert(L: Array, n: int, out: Array) -> None:
-    """Write `(L Lᵀ)⁻¹` into the leading (n, n) of `out`."""
+@kernel(is_part=True)
+def invert_factor(L: Array, n: int, out: Array) -> None:
+    """Write `L⁻¹` of a lower triangle into the lower half of `out` (n, n)."""
     for c in range(n):
-        for i in range(n):
-            entry = 1.0 if i == c else 0.0
-            for k in range(i):
+        out[c, c] = 1.0 / L[c, c]
+        for i in range(c + 1, n):
+            entry = 0.0
+            for k in range(c, i):
                 entry -= L[i, k] * out[k, c]
-            out[i, c] = entry / L[i, i]
-        for i in range(n - 1, -1, -1):
-            entry = out[i, c]
-            for k in range(i + 1, n):
-                entry -= L[k, i] * out[k, c]
             out[i, c] = entry / L[i, i]
 
 
@@ -152,9 +148,10 @@ def task_inertia(
             G[a, b] = G[b, a] = both * square
     factor(G, m, F)
     trace = 0.0
-    invert(F, m, inverse)
+    invert_factor(F, m, inverse)
     for a in range(m):
-        trace += inverse[a, a]
+        for b in range(a + 1):
+            trace += inverse[a, b] * inverse[a, b]
     kept = 1.0
     if trace * threshold * threshold >= 1.0:
         eigen(G, m, U)
@@ -180,14 +177,17 @@ def task_inertia(
                 for b in range(m):
                     A[a, b] += F[0, i] * U[a, i] * U[b, i]
     factor(A, m, F)
-    invert(F, m, inverse)
+    invert_factor(F, m, inverse)
     for a in range(m):
-        for b in range(m):
-            Lambda[a, b] = scale[a] * scale[b] * inverse[a, b]
+        for b in range(a + 1):
+            entry = 0.0
+            for k in range(a, m):
+                entry += inverse[k, a] * inverse[k, b]
+            Lambda[a, b] = Lambda[b, a] = scale[a] * scale[b] * entry
     return kept
 
 
-@kernel
+@kernel(is_part=True)
 def to_joints(L: Array, Y: Array, Lambda: Array, m: int, x: Array, out: Array, f: Array) -> None:
     """Write `J̄ x = L⁻ᵀ Y Λ x` (nv,); `f` (m,) is scratch and becomes `Λ x`."""
     n = L.shape[0]

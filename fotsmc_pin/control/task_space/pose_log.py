@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 SMALL = 1e-3
 """Angle below which series stand in for quotients [rad]; their next term is below 1e-15."""
+NEARBY = 0.02
+"""Error below which the derivative of `E` is that of its series [m, rad]."""
 PROBE = 1e-5
 """Length of the step by which `E` is differentiated along a twist [m, rad]."""
 
@@ -222,6 +224,34 @@ def moved(R: Array, x: Array, nu: Array, step: float, R_out: Array, x_out: Array
         R_out[i, 0] = r0 + a * y0 + b * z0
         R_out[i, 1] = r1 + a * y1 + b * z1
         R_out[i, 2] = r2 + a * y2 + b * z2
+
+
+@kernel
+def add_adjoint(a: Array, factor: float, out: Array) -> None:
+    """Add `factor · ad(a)` (6, 6) of a twist, `ad(a) b = a × b`."""
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        for row, column, part in ((0, 0, 3), (3, 3, 3), (0, 3, 0)):
+            out[row + j, column + k] -= factor * a[part + i]
+            out[row + k, column + j] += factor * a[part + i]
+
+
+@kernel
+def small_rate_of_rate(e: Array, e_dot: Array, out: Array, s: Array) -> None:
+    """Write `Ė = ½ ad(ė) + (ad(ė) ad(e) + ad(e) ad(ė)) / 12` of a small error of all directions.
+
+    It is the derivative of `E = 1 + ½ ad(e) + ad(e)²/12 - …`, whose next term is of fourth order.
+    """
+    A, B = s[:6], s[6:12]
+    A[:], B[:], out[:] = 0.0, 0.0, 0.0
+    add_adjoint(e, 1.0, A)
+    add_adjoint(e_dot, 1.0, B)
+    for i in range(6):
+        for j in range(6):
+            entry = 0.0
+            for k in range(6):
+                entry += B[i, k] * A[k, j] + A[i, k] * B[k, j]
+            out[i, j] = 0.5 * B[i, j] + entry / 12.0
 
 
 @kernel

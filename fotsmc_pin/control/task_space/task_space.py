@@ -188,7 +188,9 @@ class TaskSpace(TaskMemory):
         near = self._see(dt, *self._arguments)
         posture = self._terms.h
         if near:
-            posture = self._posture_torque(dt)
+            code, arguments = self._posture_acting
+            code(dt, *arguments)
+            posture = self.posture_law.joints.tau
         close = self._largest > SNAPSHOT
         if close:
             for now, kept in self._kept:
@@ -215,16 +217,6 @@ class TaskSpace(TaskMemory):
         q_f[:] = q
         q_p[:] = q if self._posture is None else self._posture
         self._p.v[:] = self.joints.v
-
-    def _posture_torque(self, dt: float) -> Array:
-        """Return the torque of the posture's law (nv,)."""
-        seen, joints = self.posture_law.joints, self.joints
-        for name in ("e", "e_dot", "v", "v_d", "a_d"):
-            getattr(seen, name)[:] = getattr(joints, name)
-        code, arguments = self._posture_acting
-        code(dt, *arguments)
-        tau: Array = seen.tau
-        return tau
 
     def _act_within_limits(self, dt: float, posture: Array) -> None:
         """Let the law act once more, told what force the torque limits leave, for its memory."""

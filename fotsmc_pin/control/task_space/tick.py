@@ -12,7 +12,12 @@ from fotsmc_pin.control.rows import Joints, NoRows, named_rows, rows
 from fotsmc_pin.control.task_space.configurations import difference, step
 from fotsmc_pin.control.task_space.feasible import BRAKING, LIVELIEST, PointRows, lead_point, open_joints
 from fotsmc_pin.control.task_space.mobility import factor, task_inertia
-from fotsmc_pin.control.task_space.pose_log import error_of, rate_of_rate
+from fotsmc_pin.control.task_space.pose_log import (
+    NEARBY,
+    error_of,
+    rate_of_rate,
+    small_rate_of_rate,
+)
 from fotsmc_pin.control.task_space.tool_motion import (
     carried,
     quaternion,
@@ -111,7 +116,17 @@ def compare(
     for i in range(6):
         t.nu[i] = V[i] - t.led[i]
     twist_cross(t.nu, t.led, t.led_rate, s[0])
-    rate_of_rate(X[:3], X[3, :3], t.nu, kind, E_dot[:m], s)
+    square = 0.0
+    for i in range(m):
+        square += e[i] * e[i]
+    if kind[0] == 1 and square < NEARBY * NEARBY:
+        for i in range(6):
+            t.x[i] = 0.0
+            for j in range(6):
+                t.x[i] += E[i, j] * t.nu[j]
+        small_rate_of_rate(e, t.x, E_dot, s)
+    else:
+        rate_of_rate(X[:3], X[3, :3], t.nu, kind, E_dot[:m], s)
 
 
 @kernel
@@ -121,7 +136,7 @@ def see(
     M0: Array, configurations: Array, places: NDArray[np.int64], kind: NDArray[np.int64],
     joints: Array, point: Array, tool: Array, numbers: Array, poses: Array,
     Js: Array, L: Array, Ys: Array, squares: Array, scratch: Array,
-    quaternions: Array, table: Array, Lambda: Array, h: Array,
+    quaternions: Array, posture: Array, table: Array, Lambda: Array, h: Array,
 ) -> bool:  # fmt: skip
     """Move the point and write what the law is to see: a mechanical system of `m` directions.
 
@@ -212,6 +227,10 @@ def see(
     for j in range(n):
         x.v_d[j], x.a_d[j] = p.v[j], p.a[j]
         x.e_dot[j] = x.v[j] - p.v[j]
+    own = rows(posture, Gains, NoRows, NoRows)[0]
+    for j in range(n):
+        own.e[j], own.e_dot[j], own.v[j] = x.e[j], x.e_dot[j], x.v[j]
+        own.v_d[j], own.a_d[j] = x.v_d[j], x.a_d[j]
     configurations[3] = q_t
     p.v[:] = p.asked
     step(q_t, places, p.move)

@@ -5,7 +5,7 @@ import pinocchio as pin
 import pytest
 
 from fotsmc_pin.control.task_space.directions import Directions
-from fotsmc_pin.control.task_space.pose_log import error_of, rate_of_rate
+from fotsmc_pin.control.task_space.pose_log import error_of, rate_of_rate, small_rate_of_rate
 from fotsmc_pin.errors import ArgumentError
 
 ANGLES = (0.0, 1e-9, 1e-5, 1e-3, 0.049, 0.051, 1.0, 3.0, 3.1415926)
@@ -55,6 +55,19 @@ def test_rates_are_those_of_finite_differences(chosen):
         R, x = np.ascontiguousarray(X.rotation), X.translation.copy()
         rate_of_rate(R, x, nu, directions.code, found, np.zeros((24, 6)))
         np.testing.assert_allclose(found, (E_ahead - E_behind) / (2 * H), rtol=1e-5, atol=1e-5)
+
+
+def test_the_series_near_zero_is_the_derivative_too():
+    everything, rng = Directions.read("all"), np.random.default_rng(1)
+    for _ in range(20):
+        e, e_dot = rng.normal(size=(2, 6))
+        e *= 0.02 / np.linalg.norm(e)
+        E_ahead, E_behind = (
+            of(pin.exp6(pin.Motion(e + sign * H * e_dot)), everything)[1] for sign in (1.0, -1.0)
+        )
+        found = np.zeros((6, 6))
+        small_rate_of_rate(e, e_dot, found, np.zeros((24, 6)))
+        np.testing.assert_allclose(found, (E_ahead - E_behind) / (2 * H), atol=1e-6)
 
 
 def test_a_swing_does_not_care_about_the_turn_about_its_axis():
