@@ -120,7 +120,6 @@ class TaskMemory(SharesNothing):
         self._largest = 0.0
         self._set_constants()
 
-
     @property
     def resolved(self) -> tuple[Array, Array]:
         """Live views of the joints' part of the feasible reference, `q_f` (nq,) and `v_f` (nv,)."""

@@ -131,7 +131,9 @@ class TaskSpace(TaskMemory):
         self.length = checks.finite_number("length", given, above=0.0)
         given = THRESHOLD * size if threshold is None else threshold
         self.threshold = checks.finite_number("threshold", given, above=0.0)
-        self._posture = None if posture is None else checks.finite_vector("posture", posture, arm.nq)
+        self._posture = (
+            None if posture is None else checks.finite_vector("posture", posture, arm.nq)
+        )
         body = tool_body(arm, self._frame, self.directions, self.length)
         self.law: Controller[Any] = law(body, self.dt, **gains)
         self.posture_law: Controller[Any] = posture_law(arm, self.dt)
@@ -203,7 +205,6 @@ class TaskSpace(TaskMemory):
         tau: Array = joints.tau.copy()
         return tau
 
-
     def law_alone(self) -> Controller[Any]:
         """Return a copy of the law with the inertia and limits of the body that it was made for."""
         twin = copy.copy(self.law)
@@ -220,7 +221,10 @@ class TaskSpace(TaskMemory):
 
     def _act_within_limits(self, dt: float, posture: Array) -> None:
         """Let the law act once more, told what force the torque limits leave, for its memory."""
-        force, left = self.law.joints.tau, named_rows(self._tool, ToolRows).x[: len(self.directions)]
+        force, left = (
+            self.law.joints.tau,
+            named_rows(self._tool, ToolRows).x[: len(self.directions)],
+        )
         limits = np.where(np.abs(left) < np.abs(force), np.abs(left), np.inf)
         for now, kept in self._kept:
             now[:] = kept

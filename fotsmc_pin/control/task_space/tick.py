@@ -10,7 +10,13 @@ from fotsmc_pin.control.functions import clip
 from fotsmc_pin.control.gains import Gains
 from fotsmc_pin.control.rows import Joints, NoRows, named_rows, rows
 from fotsmc_pin.control.task_space.configurations import difference, step
-from fotsmc_pin.control.task_space.feasible import BRAKING, LIVELIEST, PointRows, lead_point, open_joints
+from fotsmc_pin.control.task_space.feasible import (
+    BRAKING,
+    LIVELIEST,
+    PointRows,
+    lead_point,
+    open_joints,
+)
 from fotsmc_pin.control.task_space.mobility import factor, task_inertia
 from fotsmc_pin.control.task_space.pose_log import (
     NEARBY,

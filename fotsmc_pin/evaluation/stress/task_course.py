@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from fotsmc_pin.arms import Arm
     from fotsmc_pin.types import Array
 
+POSE_SIZE = 6
+"""Directions of a pose, and so the joints that are needed at least."""
 TASK_TIME = 8.0
 """Simulated time [s]; the last half is judged."""
 CANDIDATES, TRIED = 400, 12
@@ -48,7 +50,7 @@ def task(arm: Arm, true: Arm, duration: float = TASK_TIME) -> Course:
     Raises:
         ArgumentError: the arm has fewer joints than a pose has directions, or nowhere room.
     """
-    if arm.nv < 6:
+    if arm.nv < POSE_SIZE:
         raise ArgumentError("arm", arm.name, "the scenario task needs six joints or more")
     kinematics = Kinematics(arm, arm.tool_frame_id)
     reach, middles = _middles(kinematics, true)

@@ -217,7 +217,9 @@ class PoseWaypoints(PosePath):
         """Return the pose, its twist (6,) and the derivative of that (6,), by `s` from 0 to 1."""
         total = float(self._ends[-1])
         r = s * total
-        line = int(np.clip(np.searchsorted(self._ends, r, side="right") - 1, 0, len(self._ends) - 2))
+        line = int(
+            np.clip(np.searchsorted(self._ends, r, side="right") - 1, 0, len(self._ends) - 2)
+        )
         near = line if r - self._ends[line] < self._ends[line + 1] - r else line + 1
         if 0 < near < len(self._ends) - 1 and abs(r - self._ends[near]) < self.blend:
             return self._corner(near, r - self._ends[near], total)

@@ -137,7 +137,9 @@ def test_passes_a_stretched_elbow(ur5, stretched):
     true, loop = stressed(ur5)
     bent = np.array([0.3, -1.2, 0.6, -0.9, 1.2, 0.3])
     q0 = Kinematics(ur5, ur5.tool_frame_id).solve(stretched(0.0)[0], bent)
-    rec = fp.simulate(true, fp.TaskSpace(ur5, DT), stretched, stretched.duration + 0.8, q0=q0, **loop)
+    rec = fp.simulate(
+        true, fp.TaskSpace(ur5, DT), stretched, stretched.duration + 0.8, q0=q0, **loop
+    )
     kept = rec.signals["kept"].min(axis=1)
     assert kept.min() < 0.05
     errors = pose_errors(rec, 0.1)[:, 0]
