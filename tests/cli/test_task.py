@@ -23,6 +23,8 @@ def test_a_task_is_simulated_and_its_page_written(tmp_path):
 
 @pytest.mark.parametrize(("arm", "word"), [("ur5", "dance"), ("two_link", "hold")])
 def test_what_cannot_be_done_is_said_in_one_line(tmp_path, arm, word):
-    result = CliRunner().invoke(app, ["simulate", arm, "--task", word, "--out", str(tmp_path / "a")])
+    result = CliRunner().invoke(
+        app, ["simulate", arm, "--task", word, "--out", str(tmp_path / "a")]
+    )
     assert result.exit_code == 2
     assert "--task" in result.output or "six joints" in result.output

@@ -13,7 +13,7 @@ from fotsmc_pin.compiled import kernel
 from fotsmc_pin.control.arguments import LARGEST
 from fotsmc_pin.control.functions import clip
 from fotsmc_pin.control.rows import Joints, named_rows
-from fotsmc_pin.control.task_space.tick import ToolRows
+from fotsmc_pin.control.task_space.tool_rows import ToolRows
 from fotsmc_pin.errors import ArgumentError, MeasurementError
 
 if TYPE_CHECKING:

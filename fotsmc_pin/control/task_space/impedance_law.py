@@ -52,7 +52,7 @@ class State(NamedTuple):
 
 
 class Work(NamedTuple):
-    """What a tick fills: force of spring and damper [N], what is not explained, cut off, inertia."""
+    """What a tick fills: force of spring and damper, force that is not explained [N], zero."""
 
     force: Array
     lacking: Array

@@ -16,7 +16,8 @@ from fotsmc_pin.control.task_space.configurations import places_in_q
 from fotsmc_pin.control.task_space.feasible import PointRows
 from fotsmc_pin.control.task_space.frames import joints_that_move, mount_of
 from fotsmc_pin.control.task_space.given import read_motion
-from fotsmc_pin.control.task_space.tick import Numbers, ToolRows, act, see
+from fotsmc_pin.control.task_space.tick import act, see
+from fotsmc_pin.control.task_space.tool_rows import Numbers, ToolRows
 from fotsmc_pin.copying import SharesNothing
 
 if TYPE_CHECKING:

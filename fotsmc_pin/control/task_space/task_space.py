@@ -18,8 +18,8 @@ from fotsmc_pin.control.task_space.directions import Directions
 from fotsmc_pin.control.task_space.frames import frame_id
 from fotsmc_pin.control.task_space.given import cleaned_motion, read_motion
 from fotsmc_pin.control.task_space.memory import TaskMemory
-from fotsmc_pin.control.task_space.tick import ToolRows
 from fotsmc_pin.control.task_space.tool_body import reach, tool_body
+from fotsmc_pin.control.task_space.tool_rows import ToolRows
 from fotsmc_pin.errors import ArgumentError
 
 if TYPE_CHECKING:

@@ -91,7 +91,8 @@ SCENARIOS: Mapping[str, tuple[Case, ...]] = MappingProxyType(
   `TaskSpace`, and errors are those of joints from where it has them, and of the tool. Arms with
   fewer than six joints are left out.
 
-From `rotors` to `encoder` the course is the sinusoid of `sine`, faded out after 6 s, and rest from 8 to 12 s.
+From `rotors` to `encoder` the course is the sinusoid of `sine`, faded out after 6 s, and rest from
+8 to 12 s.
 """
 
 

@@ -49,9 +49,9 @@ def stress(
             default. A law by name runs with its preset for practice, or its default gains. A maker
             is called anew for each run, with the nominal arm and the tick of the case.
         scenarios: "sine", "hold", "moves", "rotors", "delay", "slow", "stribeck", "light",
-            "elastic", "encoder", "task" (`evaluation.stress.SCENARIOS` says what each is), "all", or labels
-            of single cases, such as "hold raw". By default sinusoids with both arms as their files
-            say.
+            "elastic", "encoder", "task" (`evaluation.stress.SCENARIOS` says what each is), "all",
+            or labels of single cases, such as "hold raw". By default sinusoids with both arms as
+            their files say.
         duration: simulated time of each run [s]; None for the course's own. Sinusoids and holds are
             scaled to it, moves are cut short.
         seed: of the noise.

@@ -93,7 +93,7 @@ class PoseMotion:
             acceleration: of the frame's origin [m/s²].
             angular_speed: [rad/s].
             angular_acceleration: [rad/s²].
-            velocity_limit: of the joints, scalar or (nv,) [rad/s, m/s]; 0.8 of the arm's by default.
+            velocity_limit: of the joints, scalar or (nv,) [rad/s, m/s]; 0.8 of the arm's if None.
             acceleration_limit: of the joints, scalar or (nv,) [rad/s², m/s²]; none by default.
             cruise: as the attribute.
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -204,7 +205,7 @@ class PoseWaypoints(PosePath):
         blend = checks.finite_number("blend", self.blend, above=0.0)
         length = checks.finite_number("length", self.length, above=0.0)
         sizes = []
-        for k, (one, two) in enumerate(zip(poses, poses[1:], strict=False)):
+        for k, (one, two) in enumerate(pairwise(poses)):
             turn = turned(f"poses[{k + 1}]", one, two)
             way = two.translation - one.translation
             sizes.append(float(np.hypot(np.linalg.norm(way), length * np.linalg.norm(turn))))
