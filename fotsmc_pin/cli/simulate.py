@@ -69,7 +69,7 @@ def simulate(
         str | None,
         typer.Option(
             "--task",
-            help="Control the tool's pose in place of the joints, by the law in a TaskSpace: swing, "
+            help="Control the tool's pose and not the joints, by the law in a TaskSpace: swing, "
             "circle, line or hold. --reference is then left aside.",
             autocompletion=complete_task,
         ),

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pinocchio as pin
 
+from fotsmc_pin.control.task_space.frames import frame_id
 from fotsmc_pin.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -33,8 +34,7 @@ def pose_errors(rec: Recording, rows: Any = None) -> Array:
     if rows is not None:
         asked, q = asked[rows], q[rows]
     model, data = rec.arm.model, rec.arm.model.createData()
-    name = rec.metadata.get("task", {}).get("frame")
-    frame = rec.arm.tool_frame_id if name is None else model.getFrameId(name)
+    frame = frame_id(rec.arm, rec.metadata.get("task", {}).get("frame"))
     found = np.empty((len(q), 6))
     for k, place in enumerate(np.ascontiguousarray(q)):
         pin.framesForwardKinematics(model, data, place)

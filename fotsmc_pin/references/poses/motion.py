@@ -114,7 +114,8 @@ class PoseMotion:
         allowed = 0.8 * arm.velocity_limit if velocity_limit is None else velocity_limit
         velocity, most = motion_limits(arm, allowed if np.isfinite(allowed).all() else None,
                                        acceleration_limit)  # fmt: skip
-        index = arm.tool_frame_id if frame is None else arm.model.getFrameId(frame)
+        body = pin.FrameType.BODY
+        index = arm.tool_frame_id if frame is None else arm.model.getFrameId(frame, body)
         if index >= arm.model.nframes:
             raise ArgumentError("frame", frame, "the arm has no frame of that name")
         kinematics = Kinematics(arm, index)

@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 STRAIGHT = 1e-6
 """How far the columns of a rotation may be from orthonormal."""
+SAME = 1e-9
+"""Length of a line below which its ends are the same [m]."""
 HALF_TURN = 3.1
 """Angle between two orientations from which on the way from one to the other is no clear one."""
 
@@ -209,7 +211,7 @@ class PoseWaypoints(PosePath):
             turn = turned(f"poses[{k + 1}]", one, two)
             way = two.translation - one.translation
             sizes.append(float(np.hypot(np.linalg.norm(way), length * np.linalg.norm(turn))))
-        if min(sizes) <= 0.0:
+        if min(sizes) < SAME:
             raise ArgumentError("poses", self.poses, "two in a row are the same: leave one out")
         object.__setattr__(self, "blend", min(blend, 0.5 * min(sizes)))
         object.__setattr__(self, "_ends", np.cumsum([0.0, *sizes]))
