@@ -5,6 +5,7 @@ learns the weight while it moves.
 """
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -39,7 +40,7 @@ def main(out: Path = Path("out/tilted_circle"), duration: float | None = None) -
     reference = circle(nominal)
     seconds = reference.duration if duration is None else duration
 
-    runs = {
+    runs: dict[str, Any] = {
         "robust": fp.TaskSpace(nominal, DT),
         "robust, learning": fp.ModelLearning(fp.TaskSpace(nominal, DT), delay=0),
     }

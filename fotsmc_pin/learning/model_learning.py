@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from fotsmc_pin.arms import Arm
-    from fotsmc_pin.control import Controller
+    from fotsmc_pin.control import Controller, TaskSpace
     from fotsmc_pin.types import Array
 
 MIDDLE = 1
@@ -85,7 +85,7 @@ class ModelLearning(Described):
 
     def __init__(
         self,
-        controller: Controller,
+        controller: Controller | TaskSpace,
         *,
         prior: Prior | None = None,
         delay: int = 1,
@@ -274,7 +274,7 @@ class ModelLearning(Described):
         self._terms.write_rotors()
 
 
-def _range(controller: Controller, delay: int) -> tuple[float, float]:
+def _range(controller: Controller | TaskSpace, delay: int) -> tuple[float, float]:
     """Return half of what the loop bears on either side."""
     try:
         lowest, highest = inertia_range(controller, delay)

@@ -55,7 +55,8 @@ def start_of(arm: Arm, q0: ArrayLike | None, of_reference: Array | None) -> Arra
     """
     if q0 is None and of_reference is None:
         raise ArgumentError("q0", q0, "a reference of poses does not tell: give where the arm is")
-    return checks.finite_vector("q0", of_reference if q0 is None else q0, arm.nq)
+    start: Any = of_reference if q0 is None else q0
+    return checks.finite_vector("q0", start, arm.nq)
 
 
 def pose_values(

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from fotsmc_pin.progress import Progress
     from fotsmc_pin.simulation.disturbances import Disturbances
     from fotsmc_pin.simulation.recording import Recording
-    from fotsmc_pin.types import Actuator, Array, Reference, Sensor
+    from fotsmc_pin.types import Actuator, Array, PoseReference, Reference, Sensor
 
 
 CHUNK = 256
@@ -49,7 +49,7 @@ class Law(Protocol):
     dt: float
 
     def update(
-        self, q: Array, v: Array, q_d: Array, v_d: Array, a_d: Array, dt: float | None = None
+        self, q: Array, v: Array, q_d: Any, v_d: Any, a_d: Any, /, dt: float | None = None
     ) -> Array:
         """Return the torque of one tick."""
         ...
@@ -62,7 +62,7 @@ class Law(Protocol):
 def simulate(
     arm: Arm,
     controller: Law,
-    reference: Reference,
+    reference: Reference | PoseReference,
     duration: float,
     *,
     q0: ArrayLike | None = None,

@@ -93,6 +93,8 @@ class SoftStart(SharesNothing):
 class Unled:
     """In the place of a `SoftStart`: what is followed is the reference itself."""
 
+    duration = 0.0
+
     def reset(self) -> None:
         """Do nothing."""
 

@@ -78,6 +78,8 @@ class CartesianImpedance(TaskSpace):
             turns = Directions.read(directions).are_rotations
             stiffness = np.where(turns, TURNING_STIFFNESS, STIFFNESS)
         options.setdefault("posture_law", SOFT)
+        if inertia is not None:
+            options["inertia"] = inertia
         super().__init__(
             arm,
             dt,
@@ -87,6 +89,5 @@ class CartesianImpedance(TaskSpace):
             posture=posture,
             stiffness=stiffness,
             damping_ratio=damping_ratio,
-            **({} if inertia is None else {"inertia": inertia}),
             **options,
         )

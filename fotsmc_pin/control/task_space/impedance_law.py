@@ -34,7 +34,7 @@ class ImpedanceGains(Gains):
     stiffness: Array = per_joint(500.0, "N/m, N·m/rad", above=0.0)
     damping_ratio: Array = per_joint(1.0, "", at_least=0.0)
     inertia: Array = per_joint(math.inf, "kg, kg·m²", above=0.0, unlimited=True)
-    observer: float = scalar(60.0, "rad/s", above=0.0)
+    observer: float = scalar(200.0, "rad/s", above=0.0)
 
 
 class State(NamedTuple):

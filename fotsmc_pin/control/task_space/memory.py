@@ -43,7 +43,7 @@ LINKED = {
 """What only refers to the arrays; no copy takes it along."""
 
 
-class TaskTerms:
+class TaskTerms(ModelTerms):
     """`Λ` and `h` of the tool as a law's `M0` and `h0`, or those of the joints; written elsewhere.
 
     Attributes:

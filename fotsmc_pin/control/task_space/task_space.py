@@ -173,7 +173,7 @@ class TaskSpace(TaskMemory):
         except (AttributeError, TypeError):  # not an SE3 and plain arrays of floats
             are_read = False
         if not are_read:
-            read_motion(*cleaned_motion(self.arm, q, v, T, V, A), *memory)
+            read_motion(*cleaned_motion(self.arm, q, v, T, V, A), *memory)  # type: ignore[call-arg]
         if dt is None:
             dt = self.dt
         else:

@@ -181,7 +181,7 @@ def see(
     quaternion(pose, quaternions[0])
     quaternion(pose_d, quaternions[1])
     quaternion(pose_t, quaternions[2])
-    return n > m or b.kept[0] < 1.0
+    return bool(n > m or b.kept[0] < 1.0)
 
 
 @kernel
