@@ -97,7 +97,7 @@ def test_times_keep_to_every_limit():
 def test_what_cannot_be_done_is_refused():
     arm = fp.load_arm("ur5")
     start = arm.tool_pose(Q)
-    far = pin.SE3(start.rotation, start.translation + [2.0, 0.0, 0.0])
+    far = pin.SE3(start.rotation, start.translation + np.array([2.0, 0.0, 0.0]))
     with pytest.raises(ArgumentError, match="does not get there"):
         PoseMotion.timed(PoseLine(start, far), arm, q=Q)
     with pytest.raises(ArgumentError, match="half a turn"):
