@@ -10,6 +10,7 @@ from .arms import (
 )
 from .control import (
     AdaptiveFONFTSM as AdaptiveFONFTSM,
+    CartesianImpedance as CartesianImpedance,
     ComputedTorque as ComputedTorque,
     ContinuousTSM as ContinuousTSM,
     Controller as Controller,
@@ -22,6 +23,7 @@ from .control import (
     Safeguard as Safeguard,
     SpringObserver as SpringObserver,
     SuperTwistingSMC as SuperTwistingSMC,
+    TaskSpace as TaskSpace,
     TDEFONTSM as TDEFONTSM,
     TerminalSMC as TerminalSMC,
 )

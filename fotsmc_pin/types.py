@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,3 +25,6 @@ Sensor: TypeAlias = Callable[[float, Array, Array], tuple[Array, Array]]
 
 Actuator: TypeAlias = Callable[[float, Array], Array]
 """`(t, tau) -> tau`: from the controller's torque to what the drives apply."""
+
+PoseReference: TypeAlias = Callable[[float], tuple[Any, Array, Array]]
+"""`t -> (T, V, A)`: pose (`pinocchio.SE3`), twist (6,) in its axes and the derivative of that."""

@@ -21,6 +21,7 @@ from fotsmc_pin.analysis.rest import reference_stop, swings, time_to_rest
 from fotsmc_pin.analysis.surface import sector_margin, surface_decay, surface_margin
 from fotsmc_pin.analysis.tool import tool_errors
 from fotsmc_pin.control.conditions import obeys_power_condition
+from fotsmc_pin.simulation.pose_errors import pose_errors
 
 __all__ = [
     "OBSERVED_SHARE",
@@ -32,6 +33,7 @@ __all__ = [
     "largest_bandwidth",
     "margins",
     "obeys_power_condition",
+    "pose_errors",
     "reaching_time_bound",
     "reference_stop",
     "sector_margin",

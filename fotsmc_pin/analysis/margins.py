@@ -16,6 +16,7 @@ from fotsmc_pin.analysis.sampled_loop import (
     noise_gain,
     open_loop,
 )
+from fotsmc_pin.control import TaskSpace
 from fotsmc_pin.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -79,7 +80,10 @@ class Margins:
 
 
 def margins(
-    controller: Controller | SpringObserver, delay: int = 1, *, amplitude: float = AMPLITUDE
+    controller: Controller | SpringObserver | TaskSpace,
+    delay: int = 1,
+    *,
+    amplitude: float = AMPLITUDE,
 ) -> Margins:
     """Return what the loop of a law bears near its surface.
 
@@ -98,6 +102,7 @@ def margins(
     shows as another `m`. Where the loop is conditionally stable, as with an integral it is at
     large `m`, a large error may lose what a small one does not.
 
+    With a `TaskSpace` the loops are those of its law, for directions in place of joints.
     With a `SpringObserver`, `m` is that of the link's side alone: spring and rotor are known.
 
     Args:
@@ -110,6 +115,7 @@ def margins(
             `M0`, or a loop that is not even stable with the nominal inertia.
     """
     delay = checks.count("delay", delay, at_least=0)
+    controller = alone(controller)
     amplitude = checks.finite_number("amplitude", amplitude, above=0.0)
     laws = linearize(controller, amplitude)
     place, kinds = distinct(laws)
@@ -135,14 +141,26 @@ def margins(
     )
 
 
-def inertia_range(controller: Controller | SpringObserver, delay: int = 1) -> tuple[float, float]:
+def inertia_range(
+    controller: Controller | SpringObserver | TaskSpace, delay: int = 1
+) -> tuple[float, float]:
     """Return `lowest` and `highest` of `margins` alone, which takes a part of the time.
 
     Raises:
         ArgumentError: as `margins`.
     """
+    controller = alone(controller)
     _, kinds = distinct(linearize(controller, AMPLITUDE))
     return _range(controller, kinds, delay)
+
+
+def alone(controller: Controller | SpringObserver | TaskSpace) -> Controller | SpringObserver:
+    """Return the law of a task on a body of its own, and any other controller as it is.
+
+    A law that multiplies with `Λ` in a task has the loops that it has with `M0` on joints: on
+    directions as many as joints, `(J M⁻¹ Jᵀ)⁻¹` and `Λ` have the eigenvalues of `(M, M0)`.
+    """
+    return controller.law_alone() if isinstance(controller, TaskSpace) else controller
 
 
 def _range(

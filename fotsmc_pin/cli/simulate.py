@@ -5,7 +5,7 @@ from __future__ import annotations
 import webbrowser
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -23,6 +23,7 @@ from fotsmc_pin.cli.output import (
 )
 from fotsmc_pin.cli.plant_options import PlantOptions
 from fotsmc_pin.cli.run_references import complete_reference
+from fotsmc_pin.cli.run_tasks import complete_task
 from fotsmc_pin.cli.sensor_options import SensorOptions
 from fotsmc_pin.errors import ArgumentError, DivergenceError, RunInterrupted
 
@@ -64,6 +65,15 @@ def simulate(
             autocompletion=complete_reference,
         ),
     ] = "sine",
+    task: Annotated[
+        str | None,
+        typer.Option(
+            "--task",
+            help="Control the tool's pose and not the joints, by the law in a TaskSpace: swing, "
+            "circle, line or hold. --reference is then left aside.",
+            autocompletion=complete_task,
+        ),
+    ] = None,
     start_error: Annotated[float, typer.Option(help="Start error of each joint [rad, m].")] = 0.0,
     disturbance: Annotated[
         str,
@@ -108,31 +118,37 @@ def simulate(
     from fotsmc_pin.arms.rotors import warn_of_missing_rotors
     from fotsmc_pin.cli.run_disturbances import disturbance as disturbing
     from fotsmc_pin.cli.run_events import events, wrenches
-    from fotsmc_pin.cli.run_references import task as find_task
+    from fotsmc_pin.cli.run_references import task as find_reference
     from fotsmc_pin.cli.run_results import Told, keep_results
+    from fotsmc_pin.cli.run_tasks import pose_task
+    from fotsmc_pin.control import TaskSpace
     from fotsmc_pin.learning import ModelLearning
     from fotsmc_pin.references import warn_of_limits
 
     nominal = arm_options.load(arm)
     make_true = partial(_true_arm, nominal, true, options=arm_options)
     plant_arm = make_true(plant)
-    bare = law.make(nominal, dt)
-    task = find_task(reference, nominal)
-    seconds = task.duration if duration is None else duration
+    bare: Any
+    if task is None:
+        course, bare = find_reference(reference, nominal), law.make(nominal, dt)
+    else:
+        course, bare = pose_task(task, nominal), TaskSpace(nominal, dt, law=law.make)
+    seconds = course.duration if duration is None else duration
     folder = result_folder(out or Path("out") / file_name(nominal.name), force=force)
     pushes = wrenches(wrench or [], plant_arm, seconds)
     disturbed = disturbing(disturbance, plant_arm, seconds)
     changes = events(event or [], plant, make_true, seconds)
     sensor, actuator = sensors.make(nominal, dt, plant.seed), _actuator(delay)
-    q0 = nominal.integrate(task.q_start, [start_error] * nominal.nv)
+    q0 = nominal.integrate(course.q_start, [start_error] * nominal.nv)
     warn_of_missing_rotors(nominal)
-    warn_of_limits(plant_arm, task.reference, seconds)
-    warn_of_soft_joints(bare, plant_arm, encoder="motor", delay=delay)
+    if task is None:
+        warn_of_limits(plant_arm, course.reference, seconds)
+        warn_of_soft_joints(bare, plant_arm, encoder="motor", delay=delay)
     controller = ModelLearning(bare, delay=delay) if learn else bare
     told = Told(
         nominal=nominal,
         controller=controller,
-        reference=task.words,
+        reference=course.words,
         true=true,
         disturbance=disturbance,
         noise=sensors.noise,
@@ -144,7 +160,7 @@ def simulate(
         return run(
             plant_arm,
             controller,
-            task.reference,
+            course.reference,
             seconds,
             q0=q0,
             disturbance=[*pushes, *([] if disturbed is None else [disturbed])],

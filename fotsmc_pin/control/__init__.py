@@ -23,6 +23,7 @@ from fotsmc_pin.control.robust_fonftsm import RobustFONFTSM
 from fotsmc_pin.control.safety import Limits, Safeguard, SoftStart
 from fotsmc_pin.control.spring_observer import SpringObserver
 from fotsmc_pin.control.super_twisting_smc import SuperTwistingSMC
+from fotsmc_pin.control.task_space import CartesianImpedance, TaskSpace
 from fotsmc_pin.control.tde_fontsm import TDEFONTSM
 from fotsmc_pin.control.terminal_smc import TerminalSMC
 
@@ -48,6 +49,7 @@ __all__ = [
     "FONFTSM",
     "TDEFONTSM",
     "AdaptiveFONFTSM",
+    "CartesianImpedance",
     "ComputedTorque",
     "ContinuousTSM",
     "Controller",
@@ -66,6 +68,7 @@ __all__ = [
     "SoftStart",
     "SpringObserver",
     "SuperTwistingSMC",
+    "TaskSpace",
     "TerminalSMC",
     "TickWarning",
     "warn_of_gravity",

@@ -17,9 +17,8 @@ from fotsmc_pin.compiled import restricted, specialized
 from fotsmc_pin.control.arguments import cleaned_arguments, demand_round, read_arguments
 from fotsmc_pin.control.conditions import warn_of_gravity, warn_of_slow_ticks
 from fotsmc_pin.control.declaration import check_declaration
-from fotsmc_pin.control.friction_terms import FrictionTerms
+from fotsmc_pin.control.friction_terms import are_own, terms_of
 from fotsmc_pin.control.gains import Gains
-from fotsmc_pin.control.model_terms import ModelTerms
 from fotsmc_pin.control.rows import NoRows, new_table, rows, signal_views
 from fotsmc_pin.control.saved_state import restore, saved
 from fotsmc_pin.copying import SharesNothing
@@ -31,6 +30,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from fotsmc_pin.arms import Arm
+    from fotsmc_pin.control.model_terms import ModelTerms
     from fotsmc_pin.fractional import FractionalOperator, Stream
     from fotsmc_pin.types import Array
 
@@ -273,7 +273,7 @@ class Controller(SharesNothing, ABC, Generic[G]):
         self._signals = signal_views(
             self._table, self.Gains, self.State, self.Work, self.signal_rows
         )
-        self._use_own_terms()
+        self.use_terms(terms_of(self.arm, feeds_friction=self._feeds_friction))
         q, v = self.q, self.joints.v
         restricted(read_arguments, q, v, q, v, v, self._configurations, self._table)
 
@@ -292,9 +292,13 @@ class Controller(SharesNothing, ABC, Generic[G]):
     def feed_friction(self, wanted: bool) -> None:
         """Feed friction that is known forward, or leave it to drives that compensate it."""
         self._feeds_friction = wanted
-        if type(self._terms) in (ModelTerms, FrictionTerms):
-            self._use_own_terms()
+        if are_own(self._terms):
+            self.use_terms(terms_of(self.arm, feeds_friction=wanted))
 
-    def _use_own_terms(self) -> None:
-        feeds = self.arm.friction_is_known and self._feeds_friction
-        self.use_terms(FrictionTerms(self.arm) if feeds else ModelTerms(self.arm.model))
+    @property
+    def compiled(self) -> tuple[Callable[..., None], tuple[Any, ...]]:
+        """The tick as machine code and what it takes after `dt`, for wrappers that fill the rows.
+
+        Both change when the terms do, or the state is restored.
+        """
+        return self._code, self._arguments

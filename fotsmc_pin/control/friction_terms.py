@@ -54,3 +54,14 @@ def add_friction(v_d: Array, numbers: Array, h: Array) -> None:
     for j in range(v_d.size):
         dry = friction[j] + more[j] * math.exp(-((v_d[j] / fall[j]) ** 2))
         h[j] += damping[j] * v_d[j] + dry * math.tanh(v_d[j] / WIDTH)
+
+
+def terms_of(arm: Arm, *, feeds_friction: bool) -> ModelTerms:
+    """Return an arm's own terms, with its friction where that is known and is to be fed."""
+    feeds = feeds_friction and arm.friction_is_known
+    return FrictionTerms(arm) if feeds else ModelTerms(arm.model)
+
+
+def are_own(terms: ModelTerms) -> bool:
+    """Return whether terms are those of an arm, and not of what wraps its law."""
+    return type(terms) in (ModelTerms, FrictionTerms)

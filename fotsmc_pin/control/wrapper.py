@@ -41,6 +41,17 @@ class Wrapper(SharesNothing):
         self.controller.feed_friction(wanted)
 
     @property
+    def follows_poses(self) -> bool:
+        """Whether the reference is `t -> (T, V, A)`, as that of `TaskSpace`."""
+        return bool(getattr(self.controller, "follows_poses", False))
+
+    @property
+    def resolved(self) -> tuple[Array, Array] | None:
+        """What a controller that follows poses found for the joints; None of any other."""
+        found: tuple[Array, Array] | None = getattr(self.controller, "resolved", None)
+        return found
+
+    @property
     def signals(self) -> dict[str, Array]:
         """Copies of the signals by name."""
         return {name: signal.copy() for name, signal in self.live_signals.items()}

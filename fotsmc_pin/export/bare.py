@@ -56,12 +56,12 @@ class BareLaw:
         self.names = Names.of(self.arm, wrapped=wrapped)
         if isinstance(controller, ModelLearning):
             self.around: Addition = Learner(controller, program, self.names)
-            controller = controller.controller
+            law: Controller = controller.controller
         else:
-            self.around = addition_of(controller, program)
+            self.around, law = addition_of(controller, program), controller
         self.joints = joints_of(self.arm)
         self.turning = Turning(program)
-        self.law = Law.of(controller, program, self.names.prefix, self.names.state)
+        self.law = Law.of(law, program, self.names.prefix, self.names.state)
         self._update_text = self._update_lines()
 
     @property

@@ -11,7 +11,6 @@ from fotsmc_pin.control.wrapper import Wrapper
 from fotsmc_pin.learning.estimates import Estimate, Estimates
 
 if TYPE_CHECKING:
-    from fotsmc_pin.control import Controller
     from fotsmc_pin.simulation import Recording
 
 LABEL = " + learning"
@@ -23,14 +22,15 @@ KEY = "learning"
 class Described(Wrapper):
     """A wrapped controller, described: its gains and preset, and for recordings a name and data."""
 
-    controller: Controller
+    controller: Any
     delay: int
     bears: tuple[float, float]
 
     @property
     def label(self) -> str:
         """The controller's name, and that it learns."""
-        return f"{type(self.controller).__name__}{LABEL}"
+        found = self.controller
+        return f"{getattr(found, 'label', type(found).__name__)}{LABEL}"
 
     @property
     def about(self) -> dict[str, Any]:

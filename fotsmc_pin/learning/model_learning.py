@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from fotsmc_pin.arms import Arm
-    from fotsmc_pin.control import Controller
+    from fotsmc_pin.control import Controller, TaskSpace
     from fotsmc_pin.types import Array
 
 MIDDLE = 1
@@ -85,7 +85,7 @@ class ModelLearning(Described):
 
     def __init__(
         self,
-        controller: Controller,
+        controller: Controller | TaskSpace,
         *,
         prior: Prior | None = None,
         delay: int = 1,
@@ -165,7 +165,7 @@ class ModelLearning(Described):
         learnt from. Of a measurement that is not usable nothing is learnt.
         """
         law, terms, x, limit = self.controller, self._terms, self._x, self.arm.effort_limit
-        tau = law.update(q, v, q_d, v_d, a_d, dt)
+        tau: Array = law.update(q, v, q_d, v_d, a_d, dt)
         if not law.uses_model and self._feeds:
             self._friction = terms.friction(law.joints)
             tau = np.clip(tau + self._friction, -limit, limit)
@@ -279,7 +279,7 @@ class ModelLearning(Described):
         self._terms.write_rotors()
 
 
-def _range(controller: Controller, delay: int) -> tuple[float, float]:
+def _range(controller: Controller | TaskSpace, delay: int) -> tuple[float, float]:
     """Return half of what the loop bears on either side."""
     try:
         lowest, highest = inertia_range(controller, delay)

@@ -12,3 +12,13 @@ from .path import JointPath as JointPath
 from .quintic import Quintic as Quintic
 from .sinusoid import Sinusoid as Sinusoid
 from .spline import Spline as Spline
+from .poses import (
+    PoseArc as PoseArc,
+    PoseHold as PoseHold,
+    PoseLine as PoseLine,
+    PoseMotion as PoseMotion,
+    PosePath as PosePath,
+    PoseScrew as PoseScrew,
+    PoseSwing as PoseSwing,
+    PoseWaypoints as PoseWaypoints,
+)

@@ -40,7 +40,12 @@ class Tick(NamedTuple):
 
 
 def fault_of(
-    tick: Tick, arm: Arm, disturbance: Callable[[float], Any] | None, times: Sequence[float]
+    tick: Tick,
+    arm: Arm,
+    disturbance: Callable[[float], Any] | None,
+    times: Sequence[float],
+    *,
+    poses: bool = False,
 ) -> ArgumentError | None:
     """Return an error that names the part whose value is not finite or has the wrong shape.
 
@@ -49,12 +54,14 @@ def fault_of(
         arm: the arm.
         disturbance: `t -> (nv,)`, or None.
         times: when the disturbance acted in the tick [s].
+        poses: whether the reference is one of poses, which has been checked before.
 
     Returns:
         The error, or None where every part's value is sound.
     """
     q, v = (arm.nq,), (arm.nv,)
-    for name, value, shape in zip(NAMES, tick.target, (q, v, v), strict=True):
+    target = () if poses else zip(NAMES, tick.target, (q, v, v), strict=True)
+    for name, value, shape in target:
         if (what := flaw(value, shape)) is not None:
             return MeasurementError(name, value, f"at t = {tick.t:.6g} s it {what}")
     if tick.measured is not NOTHING:

@@ -47,6 +47,7 @@ class Recorder:
         self._t = instants[::stride].copy()
         size = len(self._t)
         self._q_d, self._v_d = np.zeros((size, arm.nq)), np.zeros((size, arm.nv))
+        self._resolved: tuple[Array, Array] | None = getattr(controller, "resolved", None)
         shown = getattr(controller, "signals", {})
         own = getattr(controller, "live_signals", {})
         self._own_signals, live = own, {**own, **plant.live_signals}
@@ -75,6 +76,8 @@ class Recorder:
         """Write the next row, with what the sensors read."""
         k = self._filled
         self._note(self._table, k, self._live)
+        if self._resolved is not None:
+            self._q_d[k], self._v_d[k] = self._resolved
         for rows, reading in zip(self._readings.values(), readings, strict=True):
             rows[k] = reading
         if self._asked:

@@ -21,6 +21,7 @@ from fotsmc_pin.simulation.faults import NOTHING, Tick, divergence, fault_of
 from fotsmc_pin.simulation.interrupt import kept_on_interrupt
 from fotsmc_pin.simulation.memory import demand_memory
 from fotsmc_pin.simulation.plant import Plant
+from fotsmc_pin.simulation.pose_values import first_pose, follows_poses, pose_values, start_of
 from fotsmc_pin.simulation.recorder import Recorder
 from fotsmc_pin.simulation.reference_values import reference_values
 from fotsmc_pin.simulation.sensors import torque_reader
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
     from fotsmc_pin.progress import Progress
     from fotsmc_pin.simulation.disturbances import Disturbances
     from fotsmc_pin.simulation.recording import Recording
-    from fotsmc_pin.types import Actuator, Array, Reference, Sensor
+    from fotsmc_pin.types import Actuator, Array, PoseReference, Reference, Sensor
 
 
 CHUNK = 256
@@ -48,7 +49,7 @@ class Law(Protocol):
     dt: float
 
     def update(
-        self, q: Array, v: Array, q_d: Array, v_d: Array, a_d: Array, dt: float | None = None
+        self, q: Array, v: Array, q_d: Any, v_d: Any, a_d: Any, /, dt: float | None = None
     ) -> Array:
         """Return the torque of one tick."""
         ...
@@ -61,7 +62,7 @@ class Law(Protocol):
 def simulate(
     arm: Arm,
     controller: Law,
-    reference: Reference,
+    reference: Reference | PoseReference,
     duration: float,
     *,
     q0: ArrayLike | None = None,
@@ -92,9 +93,11 @@ def simulate(
             else it says of itself.
         reference: `t -> (q_d, v_d, a_d)`, shapes (nq,), (nv,), (nv,); a function of time alone,
             which is evaluated for some ticks ahead, unless it `is_live`. Where it has a method `at`
-            that takes many times (N,) and returns (N, nq), (N, nv), (N, nv), that is called.
+            that takes many times (N,) and returns (N, nq), (N, nv), (N, nv), that is called. For a
+            controller that follows poses, such as `TaskSpace`, it is `t -> (T, V, A)`.
         duration: simulated time [s].
-        q0: configuration at the start (nq,); the reference's by default.
+        q0: configuration at the start (nq,); the reference's by default. Of poses it is that
+            reference's `q_start`, or has to be given.
         v0: velocity at the start (nv,); the reference's by default.
         disturbance: `t -> (nv,)`, torque added at the joints [N·m, N], evaluated at every stage; or
             a `Wrench`, a push at a frame; or a list of both, which add up.
@@ -141,13 +144,15 @@ def simulate(
     duration = checks.finite_number("duration", duration, at_least=dt)
     stride = checks.count("record_every", record_every)
     demand_memory(arm, duration, dt, stride)
-    q_start, v_start, _ = _checked_reference(arm, reference)
+    poses = follows_poses(controller)
+    checked = first_pose if poses else _checked_reference
+    q_start, v_start = checked(arm, reference)[:2]
     push, wrenches = sorted_out(arm, disturbance, duration)
     changes = checked_events(arm, events, duration)
     build = partial(ChangingPlant, events=changes) if changes else Plant
     plant = build(
         arm,
-        q_start if q0 is None else checks.finite_vector("q0", q0, arm.nq),
+        start_of(arm, q0, q_start),
         v_start if v0 is None else checks.finite_vector("v0", v0, arm.nv),
         dt=dt,
         substeps=substeps,
@@ -194,8 +199,12 @@ def simulate(
         for first in range(0, ticks, ahead):
             report(first / ticks)
             instants = clock[first : min(first + ahead, ticks)]
-            wanted = reference_values(reference, instants, arm)
-            recorder.write_reference(first, *wanted[:2])
+            wanted: Any
+            if poses:
+                wanted = pose_values(reference, instants)
+            else:
+                wanted = reference_values(reference, instants, arm)
+                recorder.write_reference(first, *wanted[:2])
             rows = zip(instants.tolist(), *wanted, strict=True)
             for k, (t, q_d, v_d, a_d) in enumerate(rows, first):
                 period = dt if jitter == 0.0 else clock[k + 1] - t
@@ -229,7 +238,7 @@ def simulate(
                 except (TypeError, ValueError) as error:
                     cause = error
                 tick = Tick(t, (q_d, v_d, a_d), measured, commanded, driven, felt)
-                fault = fault_of(tick, arm, push, plant.stage_times(t, period))
+                fault = fault_of(tick, arm, push, plant.stage_times(t, period), poses=poses)
                 if fault is not None:
                     raise fault from cause
                 if cause is not None:

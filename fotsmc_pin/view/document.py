@@ -14,7 +14,7 @@ from fotsmc_pin.view.marks import marks_of
 from fotsmc_pin.view.mesh_files import PICTURES
 from fotsmc_pin.view.meshes import GRID_STEPS, Mesh, thinned
 from fotsmc_pin.view.mid_run import arrow_tips, pushes_of, with_payloads
-from fotsmc_pin.view.motion import Motion, frame_rows, motion
+from fotsmc_pin.view.motion import Motion, continuous, frame_rows, motion
 from fotsmc_pin.view.palette import GHOST_COLOR, PUSH_COLOR, RUN_COLORS
 from fotsmc_pin.view.visuals import visuals_of
 
@@ -146,7 +146,7 @@ def _run(shot: Shot, signals: Sequence[str] | None, pack: Pack) -> dict[str, Any
     recording, rows = shot.recording, shot.rows
     arm = recording.arm
     if signals is None:
-        signals = [name for name in ("s",) if name in recording.signals]
+        signals = [name for name in ("s", "pose_error") if name in recording.signals]
     columns = {"e": recording.e, "tau": recording.tau}
     columns |= {f"signals.{name}": recording.signals[name] for name in signals}
     thin = {name: thinned_curves(recording.t, table) for name, table in columns.items()}
@@ -171,6 +171,7 @@ def _run(shot: Shot, signals: Sequence[str] | None, pack: Pack) -> dict[str, Any
             "tool": pack.add(shot.arm.tool.T),
             "tool_d": pack.add(shot.ghost.tool.T),
             **sampled,
+            **_axes(recording, rows, pack),
         },
         "charts": {
             "t": pack.add(times),
@@ -178,6 +179,20 @@ def _run(shot: Shot, signals: Sequence[str] | None, pack: Pack) -> dict[str, Any
             "tau": pack.add(curves["tau"].T),
             "signals": {name: pack.add(curves[f"signals.{name}"].T) for name in signals},
         },
+    }
+
+
+def _axes(recording: Recording, rows: np.ndarray, pack: Pack) -> dict[str, Any]:
+    """Return where the frame of a task is, and where it is asked to be; nothing of other runs."""
+    if "pose_d" not in recording.signals:
+        return {}
+    poses = np.stack([recording.signals[name][rows] for name in ("pose", "pose_d")], axis=1)
+    quaternions = continuous(poses[..., 3:])
+    return {
+        "axes": {
+            "position": pack.add(poses[..., :3].transpose(1, 2, 0)),
+            "orientation": pack.add(quaternions.transpose(1, 2, 0)),
+        }
     }
 
 

@@ -57,7 +57,8 @@ def export_html(
 
     The page holds the arm, its reference as a translucent ghost, the paths of the tool and of the
     reference, and plots of error, torque with its limits and sliding variable that are tied to the
-    animation. It needs no server and no network, neither to be written nor to be seen. Several
+    animation. Of a task it shows the axes of the frame and of its reference, and the error between
+    the two. It needs no server and no network, neither to be written nor to be seen. Several
     runs are coloured and named, and can be shown and hidden one by one. The same input gives the
     same file.
 
@@ -78,7 +79,8 @@ def export_html(
         loop: whether to start again at the end.
         play: whether to play when the page opens; a reader who asked the system for reduced
             motion has to press play.
-        signals: names of the recorded signals to plot; None takes "s" where there is one.
+        signals: names of the recorded signals to plot; None takes "s" where there is one, and of a
+            task "pose_error".
         theme: "light", "dark", or "auto" to follow the reader's system.
         progress: True shows a bar on standard error; a callable is told the fraction done.
 

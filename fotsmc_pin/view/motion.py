@@ -58,10 +58,10 @@ def motion(arm: Arm, q: Array) -> Motion:
         for joint, placement in enumerate(data.oMi):
             poses[row, joint] = pin.SE3ToXYZQUAT(placement)
         tools[row] = pin.updateFramePlacement(model, data, tool).translation
-    return Motion(position=poses[..., :3], orientation=_continuous(poses[..., 3:]), tool=tools)
+    return Motion(position=poses[..., :3], orientation=continuous(poses[..., 3:]), tool=tools)
 
 
-def _continuous(quaternions: Array) -> Array:
+def continuous(quaternions: Array) -> Array:
     """Choose of the two quaternions of each rotation the one next to the one before it."""
     turns = np.sum(quaternions[1:] * quaternions[:-1], axis=-1) < 0
     first = np.ones((1, quaternions.shape[1]))

@@ -23,6 +23,7 @@ PAGES = {
     "compare": "report.html",
     "panda_payload": "panda_payload.html",
     "pick_and_drop": "pick_and_drop.html",
+    "tilted_circle": "tilted_circle.html",
 }
 
 

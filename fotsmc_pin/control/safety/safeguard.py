@@ -14,11 +14,11 @@ from fotsmc_pin.control.safety.limit_filter import LimitFilter
 from fotsmc_pin.control.safety.output import Output
 from fotsmc_pin.control.safety.safe_stop import SafeStop
 from fotsmc_pin.control.safety.seen import Seen
-from fotsmc_pin.control.safety.soft_start import SoftStart
+from fotsmc_pin.control.safety.soft_start import SoftStart, Unled
 from fotsmc_pin.control.safety.steps import slowed, too_fast
 from fotsmc_pin.control.saved_state import part, present, with_prefix
 from fotsmc_pin.control.wrapper import Wrapper
-from fotsmc_pin.errors import MeasurementError
+from fotsmc_pin.errors import ArgumentError, MeasurementError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -79,9 +79,14 @@ class Safeguard(Wrapper):
             ArgumentError: a number out of its bounds.
         """
         self.controller, self.arm, self.dt = controller, controller.arm, controller.dt
-        self._lead = SoftStart(self.arm, soft_start)
+        # A task starts where the arm is by itself, and its reference are poses.
+        self._is_led = not getattr(controller, "follows_poses", False)
+        self._lead = SoftStart(self.arm, soft_start) if self._is_led else Unled()
         rate = np.inf if torque_rate is None else torque_rate
         self._rate = checks.per_joint("torque_rate", rate, self.arm.nv, above=0.0, unlimited=True)
+        if friction_compensation is not None and not self._is_led:
+            remedy = "leave it out: it follows speeds of joints, and the controller follows poses"
+            raise ArgumentError("friction_compensation", friction_compensation, remedy)
         self._friction = friction_compensation
         default = 10.0 * self.dt if watchdog is None else watchdog
         self.watchdog = checks.finite_number("watchdog", default, above=0.0)
@@ -180,7 +185,7 @@ class Safeguard(Wrapper):
         """
         if self.stopped is None:
             self.stopped = reason
-        self._stop.by_law = self._stop.by_law and trust_law
+        self._stop.by_law = self._stop.by_law and trust_law and self._is_led
 
     def update(
         self,
@@ -233,7 +238,7 @@ class Safeguard(Wrapper):
         self._output.send(tau, self._seen, period, self._limits, terms)
         if self._limits is not None and self._limits.broken is not None:
             self.stop(self._limits.broken, trust_law=False)
-        self._target = target
+        self._target = target if self._is_led or self.stopped is not None else None
         if by_law:
             self.controller.note_applied(self._output.tau, friction)
         return self._output.tau.copy()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -88,3 +88,23 @@ class SoftStart(SharesNothing):
         way, v_led, a_led = np.empty_like(e), np.array(v_d, float), np.array(a_d, float)
         faded(self._t, self.duration, e, e_dot, v_led, a_led, way)
         return self.arm.integrate(q_d, way), v_led, a_led
+
+
+class Unled:
+    """In the place of a `SoftStart`: what is followed is the reference itself."""
+
+    duration = 0.0
+
+    def reset(self) -> None:
+        """Do nothing."""
+
+    def save_state(self) -> dict[str, Array]:
+        """Return nothing."""
+        return {}
+
+    def restore_state(self, arrays: Mapping[str, ArrayLike]) -> None:
+        """Take nothing."""
+
+    def lead(self, q: Any, v: Any, q_d: Any, v_d: Any, a_d: Any, dt: float) -> tuple[Any, Any, Any]:
+        """Return the reference as it is."""
+        return q_d, v_d, a_d

@@ -12,7 +12,7 @@ starts 0.2 rad off. For joints without an effort limit see `plants.drive_size`.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
 
@@ -36,13 +36,15 @@ from fotsmc_pin.evaluation.stress.scenario import (
     VELOCITY_NOISE,
     Scenario,
 )
+from fotsmc_pin.evaluation.stress.task_course import POSE_SIZE, task
 from fotsmc_pin.evaluation.stress.wording import plant_text
 
 if TYPE_CHECKING:
     from fotsmc_pin.arms import Arm
     from fotsmc_pin.evaluation.stress.courses import Course
+    from fotsmc_pin.types import Array
 
-CourseName: TypeAlias = Literal["sine", "hold", "moves", "sine, then rest"]
+CourseName: TypeAlias = Literal["sine", "hold", "moves", "sine, then rest", "task"]
 
 ROTORS = 150.0
 """Effort limit over true armature [rad/s², m/s²] where a case says nothing else."""
@@ -137,7 +139,7 @@ class Case:
             )
 
         course = self._course(arm, mass, duration)
-        start = course.reference(0.0)[0]
+        start = self._start(course)
         return Scenario(
             arm=nominal,
             true=plant(),
@@ -157,6 +159,16 @@ class Case:
             frictionless=plant(friction=False) if self.frictionless_twin else None,
         )
 
+    def suits(self, arm: Arm) -> bool:
+        """Return whether an arm can be run in it: a task needs six joints."""
+        return self.course != "task" or arm.nv >= POSE_SIZE
+
+    def _start(self, course: Course) -> Array:
+        """Return the configuration (nq,) in which the reference begins."""
+        reference: Any = course.reference
+        start: Array = reference.q_start if self.course == "task" else reference(0.0)[0]
+        return start
+
     def _course(self, arm: Arm, payload: float, duration: float | None) -> Course:
         """Return the course; poses and moves are those that the heaviest plant can do."""
         if duration is not None:
@@ -169,6 +181,10 @@ class Case:
             if self.known_rotors:
                 return course
             return replace(course, judged=(LEARNT * course.duration, course.duration))
+        if self.course == "task":
+            rotors = with_rotors(arm)
+            heavy = stress_plant(rotors, payload=payload, armature=true_armature(rotors, ROTORS))
+            return task(arm, heavy, *times)
         bare = with_rotors(arm)
         heaviest = stress_plant(bare, payload=payload, armature=true_armature(bare, ROTORS))
         if self.course == "hold":

@@ -66,6 +66,7 @@ SCENARIOS: Mapping[str, tuple[Case, ...]] = MappingProxyType(
         "encoder": tuple(
             Case(scenario="encoder", variant=f"{bits} bits", bits=bits) for bits in (20, 17)
         ),
+        "task": _both_worlds("task"),
     }
 )
 """The cases of each scenario, in the order of the table's columns.
@@ -86,7 +87,12 @@ SCENARIOS: Mapping[str, tuple[Case, ...]] = MappingProxyType(
   `fotsmc_pin.analysis.OBSERVED_SHARE` of `largest_bandwidth` at most.
 - `encoder`: encoders of 20 and 17 bits, no velocity sensor and no other noise.
 
-From `rotors` on the course is the sinusoid of `sine`, faded out after 6 s, and rest from 8 to 12 s.
+- `task`: the tool along a circle while it swings, in both worlds; there the law is that of a
+  `TaskSpace`, and errors are those of joints from where it has them, and of the tool. Arms with
+  fewer than six joints are left out.
+
+From `rotors` to `encoder` the course is the sinusoid of `sine`, faded out after 6 s, and rest from
+8 to 12 s.
 """
 
 

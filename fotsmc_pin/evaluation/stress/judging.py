@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fotsmc_pin.analysis import summarize
+from fotsmc_pin.analysis import pose_errors, summarize
 from fotsmc_pin.analysis.metrics import torque_variation
 from fotsmc_pin.analysis.rest_windows import arrival_time, inside, overshoot, swing_in
 from fotsmc_pin.errors import DivergenceError
@@ -59,6 +59,8 @@ class StressRow:
         static_deflection: what it would be if each spring stood under the torque that the true
             links need along the reference [rad].
         bandwidth: at which a law ran on elastic joints; None for rigid ones, or a law without it.
+        tool_way_error: RMS distance of the tool from the pose that a task asks for [m].
+        tool_turn_error: RMS of the turn between the two [rad].
         text: plant and course in words.
     """
 
@@ -81,6 +83,8 @@ class StressRow:
     deflection: float | None = None
     static_deflection: float | None = None
     bandwidth: float | None = None
+    tool_way_error: float | None = None
+    tool_turn_error: float | None = None
     text: str = ""
 
     @property
@@ -178,6 +182,13 @@ def judge(rec: Recording, arm: str, label: str, course: Course | None = None) ->
         torque_variation=torque_variation(rec.t[tail], rec.tau[tail]),
         diverged=error > LOST,
     )
+    if "pose_d" in rec.signals:
+        e = pose_errors(rec, tail)
+        row = replace(
+            row,
+            tool_way_error=_rms(np.linalg.norm(e[:, :3], axis=1)),
+            tool_turn_error=_rms(np.linalg.norm(e[:, 3:], axis=1)),
+        )
     if "deflection" in rec.signals:
         row = replace(
             row,

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import joblib
 
 from fotsmc_pin import checks
 from fotsmc_pin.arms import load_arm
-from fotsmc_pin.control import CONTROLLERS, Controller, warn_of_gravity
+from fotsmc_pin.control import CONTROLLERS, Controller, TaskSpace, warn_of_gravity
 from fotsmc_pin.evaluation.stress.cases import chosen_cases
 from fotsmc_pin.evaluation.stress.judging import StressRow, run_row
 from fotsmc_pin.evaluation.stress.springs import fitted_to_springs, with_learning
@@ -49,9 +49,9 @@ def stress(
             default. A law by name runs with its preset for practice, or its default gains. A maker
             is called anew for each run, with the nominal arm and the tick of the case.
         scenarios: "sine", "hold", "moves", "rotors", "delay", "slow", "stribeck", "light",
-            "elastic", "encoder" (`evaluation.stress.SCENARIOS` says what each is), "all", or labels
-            of single cases, such as "hold raw". By default sinusoids with both arms as their files
-            say.
+            "elastic", "encoder", "task" (`evaluation.stress.SCENARIOS` says what each is), "all",
+            or labels of single cases, such as "hold raw". By default sinusoids with both arms as
+            their files say.
         duration: simulated time of each run [s]; None for the course's own. Sinusoids and holds are
             scaled to it, moves are cut short.
         seed: of the noise.
@@ -81,6 +81,7 @@ def stress(
         for arm in loaded
         for label, make in makers.items()
         for case in cases
+        if case.suits(arm) or len(cases) == 1
     ]
     rows = []
     with reporting(progress, ", ".join(arm.name for arm in loaded)) as report:
@@ -105,7 +106,9 @@ class Run:
     def __call__(self) -> StressRow:
         """Carry it out."""
         scenario = self.case.scenario_of(self.arm, duration=self.duration, seed=self.seed)
-        made = self.make(scenario.arm, scenario.dt)
+        made: Any = self.make(scenario.arm, scenario.dt)
+        if self.case.course == "task":
+            made = TaskSpace(scenario.arm, scenario.dt, law=self.make)
         law = fitted_to_springs(made, scenario)
         controller = with_learning(law, scenario.delay) if self.learn else law
         return run_row(scenario, controller, self.label)

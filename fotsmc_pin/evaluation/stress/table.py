@@ -39,6 +39,8 @@ METRICS: Mapping[str, Metric] = {
     "tail RMS error of the motors [mrad]": lambda row: _scaled(row.motor_rms_error),
     "RMS deflection of the springs [mrad]": lambda row: _scaled(row.deflection),
     "RMS deflection under the static torque [mrad]": lambda row: _scaled(row.static_deflection),
+    "tail RMS error of the tool, way [mm]": lambda row: _scaled(row.tool_way_error),
+    "tail RMS error of the tool, turn [mrad]": lambda row: _scaled(row.tool_turn_error),
     "bandwidth on elastic joints": lambda row: row.bandwidth,
 }
 """What a matrix can show, by title."""

@@ -101,6 +101,11 @@ class Run {
         });
       });
     }
+    if (run.frames.axes) {
+      const frames = { frames: run.frames, bodies: ["tool axes", "reference axes"], visuals: [] };
+      this.axes = new Figure(this.root, frames, run.frames.axes, () => {});
+      this.axes.bodies.forEach((body, k) => body.add(triad((k ? 0.13 : 0.09) * size, k ? 0.0011 * size : 0.0024 * size)));
+    }
     this.pushes = run.pushes.map((push) => new Push(this.figure.root, push, view.push_color));
     const rows = run.frames.t.length;
     const line = (color, place) => new THREE.MeshBasicMaterial({ color, toneMapped: false, ...behind(place) });
@@ -117,6 +122,11 @@ class Run {
     const asked = ghost && sharers.some((run) => run.shown);
     this.figure.root.visible = this.shown;
     this.figure.move(place, time);
+    if (this.axes) {
+      this.axes.root.visible = this.shown;
+      this.axes.move(place, time);
+      this.axes.bodies[1].visible = asked;
+    }
     this.pushes.forEach((push) => push.move(this.figure.bodies, time));
     this.path.grow(place, this.shown ? paths : "off");
     if (this.ghost) {
@@ -125,6 +135,18 @@ class Run {
     }
     if (this.reference) this.reference.grow(place, asked ? paths : "off");
   }
+}
+
+// Three bars along the axes of a frame, red, green and blue.
+function triad(length, radius) {
+  const axes = new THREE.Group();
+  [0xd03030, 0x2f9e44, 0x2f6fd0].forEach((color, k) => {
+    const sides = [0, 1, 2].map((axis) => (axis === k ? length : 2 * radius));
+    const bar = new THREE.Mesh(new THREE.BoxGeometry(...sides), new THREE.MeshBasicMaterial({ color, toneMapped: false }));
+    bar.position.setComponent(k, 0.5 * length);
+    axes.add(bar);
+  });
+  return axes;
 }
 
 // Shifts a surface a little away from the eye, by its place in a row: where arms of several runs

@@ -1,0 +1,291 @@
+"""What a task remembers, shows and is linked to, apart from what it does in a tick."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pinocchio as pin
+
+from fotsmc_pin import checks
+from fotsmc_pin.compiled import restricted, specialized
+from fotsmc_pin.control.friction_terms import are_own, terms_of
+from fotsmc_pin.control.model_terms import ModelTerms
+from fotsmc_pin.control.rows import Joints, named_rows
+from fotsmc_pin.control.saved_state import part, present, with_prefix
+from fotsmc_pin.control.task_space.configurations import places_in_q
+from fotsmc_pin.control.task_space.feasible import PointRows
+from fotsmc_pin.control.task_space.frames import joints_that_move, mount_of
+from fotsmc_pin.control.task_space.given import read_motion
+from fotsmc_pin.control.task_space.tick import act, see
+from fotsmc_pin.control.task_space.tool_rows import Numbers, ToolRows
+from fotsmc_pin.copying import SharesNothing
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import ArrayLike
+
+    from fotsmc_pin.arms import Arm
+    from fotsmc_pin.control.controller import Controller
+    from fotsmc_pin.control.task_space.directions import Directions
+    from fotsmc_pin.types import Array
+
+CLOSING, PER_TICK = 40.0, 0.05
+"""Rate at which the feasible reference closes its error [1/s], and the most of it in a tick."""
+POSTURE_RATE = 3.0
+"""Rate at which the feasible reference goes back to its posture [1/s]."""
+MEMORY = ("_joints", "_point", "_tool", "_numbers", "_configurations", "_poses")
+"""Arrays that live on from tick to tick."""
+LINKED = {
+    *("_terms", "_data", "_data_t", "_arguments", "_see", "_acting", "_act", "_signals", "_now"),
+    *("_posture_acting", "_kept", "q", "joints", "_n", "_p"),
+}
+"""What only refers to the arrays; no copy takes it along."""
+
+
+class TaskTerms(ModelTerms):
+    """`Λ` and `h` of the tool as a law's `M0` and `h0`, or those of the joints; written elsewhere.
+
+    Attributes:
+        M: (n, n).
+        h: (n,).
+    """
+
+    def __init__(self, M: Array, h: Array) -> None:
+        self.M, self.h = M, h
+
+    def evaluate(self, q: Array, joints: Joints) -> None:
+        """Leave the terms as they were written."""
+
+
+class TaskMemory(SharesNothing):
+    """The arrays of a task, and all that only reads or refers to them.
+
+    Attributes:
+        q: live configuration of the last tick (nq,).
+        joints: live rows of the joints: errors from the feasible reference, speeds, torque.
+    """
+
+    follows_poses = True
+    uses_model = True
+    _feeds_friction = True
+
+    arm: Arm
+    dt: float
+    frame: str
+    directions: Directions
+    law: Controller[Any]
+    posture_law: Controller[Any]
+    length: float
+    threshold: float
+    _frame: int
+    _posture: Array | None
+    _largest: float
+
+    def _allocate(self) -> None:
+        m, n = len(self.directions), self.arm.nv
+        self._joints = np.zeros((len(Joints._fields), n))
+        self._point = np.zeros((len(PointRows._fields), n))
+        self._tool = np.zeros((len(ToolRows._fields), 6))
+        self._numbers = np.zeros((len(Numbers._fields), 1))
+        self._configurations = np.zeros((4, self.arm.nq))
+        self._poses = np.zeros((5, 4, 3))
+        self._quaternions = np.zeros((3, 7))
+        self._mobility, self._drift = np.zeros((m, m)), np.zeros(m)
+
+    @property
+    def gains(self) -> Any:
+        """The law's gains."""
+        return self.law.gains
+
+    @property
+    def preset(self) -> str:
+        """The law's preset."""
+        return self.law.preset
+
+    @property
+    def label(self) -> str:
+        """The law's name, and that it works at the tool."""
+        return f"{type(self.law).__name__} at the tool"
+
+    @property
+    def about(self) -> dict[str, Any]:
+        """Plain data for a recording's metadata, under "task"."""
+        return {"task": {"frame": self.frame, "directions": list(self.directions.names)}}
+
+    def note_applied(self, tau: Array, friction: Array) -> None:
+        """Take note of the torque that acts; see `Controller.note_applied`.
+
+        What it lacks or has more moves the tool as the force `Λ Jeᵀ M⁻¹` of it, which the law's
+        observer is told.
+        """
+        more = tau - friction - self.joints.tau
+        if more.any():
+            *_, L, Ys, Lambda = self._now
+            force = Lambda @ (Ys[1].T @ np.linalg.solve(np.tril(L), more))
+            self.law.joints.tau[:] += force
+            self.joints.tau[:] += more
+
+    def feed_friction(self, wanted: bool) -> None:
+        """Feed friction that is known forward, or leave it to drives that compensate it."""
+        self._feeds_friction = wanted
+        if are_own(self._terms):
+            self.use_terms(terms_of(self.arm, feeds_friction=wanted))
+
+    def reset(self) -> None:
+        """Forget everything: the next tick starts where the arm is then."""
+        self.law.reset()
+        self.posture_law.reset()
+        for name in MEMORY:
+            getattr(self, name)[:] = 0.0
+        self._largest = 0.0
+        self._set_constants()
+
+    @property
+    def resolved(self) -> tuple[Array, Array]:
+        """Live views of the joints' part of the feasible reference, `q_f` (nq,) and `v_f` (nv,)."""
+        return self._configurations[3], self.joints.v_d
+
+    @property
+    def signals(self) -> dict[str, Array]:
+        """Copies of the last tick's inner signals by name."""
+        return {name: signal.copy() for name, signal in self._signals.items()}
+
+    @property
+    def live_signals(self) -> dict[str, Array]:
+        """The signals themselves, which every tick writes anew: for reading, by a recorder."""
+        return self._signals
+
+    def save_state(self) -> dict[str, Array]:
+        """Return everything that is remembered, as plain arrays by name."""
+        own = {name[1:]: getattr(self, name).copy() for name in MEMORY}
+        own["largest"] = np.array(self._largest)
+        return (
+            own
+            | with_prefix("law", self.law.save_state())
+            | with_prefix("posture_law", self.posture_law.save_state())
+        )
+
+    def restore_state(self, arrays: Mapping[str, ArrayLike]) -> None:
+        """Take over what `save_state` gave, and go on from there bit for bit.
+
+        Raises:
+            ArgumentError: an array is missing, of the wrong shape or not finite.
+        """
+        own = {
+            name: checks.finite_array(
+                name[1:], present(arrays, name[1:]), getattr(self, name).shape, unlimited=True
+            )
+            for name in MEMORY
+        }
+        largest = checks.finite_number("largest", present(arrays, "largest"))
+        self.law.restore_state(part(arrays, "law"))
+        self.posture_law.restore_state(part(arrays, "posture_law"))
+        for name, array in own.items():
+            getattr(self, name)[:] = array
+        self._largest = largest
+        self._link()
+
+    def use_terms(self, terms: ModelTerms) -> None:
+        """Evaluate `M0` and `h0` by `terms` from now on, in place of the arm's own model.
+
+        For wrappers; a copy of the controller goes back to the arm's own.
+        """
+        self._terms = terms
+        self._link_kernels()
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what makes the controller, without the views and the code that `_link` makes."""
+        return {name: value for name, value in self.__dict__.items() if name not in LINKED}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._link()
+
+    def __repr__(self) -> str:
+        """Name the frame, the directions and the law."""
+        held = ", ".join(self.directions.names)
+        return f"{type(self).__name__}({self.arm.name}, {self.frame}: {held}; {self.law!r})"
+
+    def _set_constants(self) -> None:
+        """Fill in what never changes, where `reset` has emptied the arrays."""
+        arm, b, p = self.arm, self._n, self._p
+        b.rate[0] = min(CLOSING, PER_TICK / self.dt)
+        b.posture_rate[0] = POSTURE_RATE
+        b.threshold[0] = self.threshold
+        self.joints.effort_limit[:] = arm.effort_limit
+        p.fastest[:] = arm.velocity_limit
+        p.lower[:], p.upper[:] = arm.lower_position_limit, arm.upper_position_limit
+        p.moves[:] = joints_that_move(arm, self._frame)
+        self._poses[4] = mount_of(arm, self._frame)
+        m = len(self.directions)
+        named_rows(self._tool, ToolRows).scale[:m] = self.directions.scale(self.length)
+        self.law.joints.effort_limit[:] = np.inf
+
+    def _link(self) -> None:
+        """Make what only refers to the arrays: the named rows, Pinocchio's memory, the code."""
+        m = len(self.directions)
+        self.q = self._configurations[0]
+        self.joints = named_rows(self._joints, Joints)
+        self._p, self._n = named_rows(self._point, PointRows), named_rows(self._numbers, Numbers)
+        self._data, self._data_t = self.arm.model.createData(), self.arm.model.createData()
+        tool = named_rows(self._tool, ToolRows)
+        first = Numbers._fields.index("kept")
+        kept = self._numbers[first : first + 2, 0]
+        self._signals = {
+            "pose": self._quaternions[0],
+            "pose_d": self._quaternions[1],
+            "pose_f": self._quaternions[2],
+            "pose_error": tool.error[:m],
+            "given_up": tool.given_up[:m],
+            "kept": kept,
+        }
+        six, pose = np.zeros(6), pin.SE3.Identity().homogeneous
+        memory = (self._configurations, self._joints, self._tool, self._poses)
+        restricted(read_motion, self.q, self.joints.v, pose, six, six, *memory)
+        self.law.use_terms(TaskTerms(self._mobility, self._drift))
+        self._signals = {**self.law.live_signals, **self._signals}
+        self.use_terms(terms_of(self.arm, feeds_friction=self._feeds_friction))
+
+    def _link_kernels(self) -> None:
+        m, n = len(self.directions), self.arm.nv
+        terms, law = self._terms, self.law
+        Js, L, Ys = np.zeros((4, 6, n)), np.zeros((n, n)), np.zeros((2, n, m))
+        seats = []
+        joint = self.arm.model.frames[self._frame].parentJoint
+        for data in (self._data, self._data_t):
+            seats += [data.oMi[joint].rotation, data.oMi[joint].translation, data.J, data.dJ]
+        table = law.joints.e.base
+        self._arguments = (
+            *seats,
+            terms.M,
+            self._configurations,
+            places_in_q(self.arm),
+            self.directions.code,
+            self._joints,
+            self._point,
+            self._tool,
+            self._numbers,
+            self._poses,
+            Js,
+            L,
+            Ys,
+            np.zeros((7, 6, 6)),
+            np.zeros((24, 6)),
+            self._quaternions,
+            self.posture_law.joints.e.base,
+            table,
+            self._mobility,
+            self._drift,
+        )
+        self._see = specialized(see, self.dt, *self._arguments)
+        self._now = (
+            terms.h, self._joints, self._point, self._tool, Js, L, Ys, self._mobility,
+        )  # fmt: skip
+        self._act = specialized(act, law.joints.tau, terms.h, *self._now)
+        self._acting = law.compiled
+        self.posture_law.use_terms(TaskTerms(terms.M, terms.h))
+        self._posture_acting = self.posture_law.compiled
+        memory = (table, *(stream.memory for stream in law.memories.values()))
+        self._kept = [(now, now.copy()) for now in memory]
