@@ -188,9 +188,7 @@ class LimitFilter(SharesNothing):
             M, h = terms.M, terms.h
         worst = self._filtered(self._dt, sent, law, M, h, self._work, table)
         if self._separation is not None:
-            state, kept = (self._q, self._v), worst <= 0.0
-            find = self._separation.accelerations
-            found = find(state, M, h, law, table, joints_are_kept=kept)
+            found = self._separation.accelerations(self._q, self._v, M, h, law, table)
             if found is not None:
                 a, short = found
                 wanted = M @ a + h

@@ -43,7 +43,8 @@ class Separation:
 
         min ½ (a - a_law)ᵀ M (a - a_law)   with   J a ≥ …,   lower ≤ a ≤ upper,   |M a + h| ≤ τ_max
 
-    is solved (daqp); where not all can be met, torque limits come first, and distances last.
+    is solved (daqp); where not all can be met, distances give way: a bound of a joint that cannot
+    be kept is exceeded no further than without them.
 
     A pair is measured only where it may have come near: each distance that was measured shrinks
     from tick to tick by the most that the joints' speeds allow, and those that may be the least
@@ -113,26 +114,18 @@ class Separation:
         return gaps
 
     def accelerations(
-        self,
-        state: tuple[Array, Array],
-        M: Array,
-        h: Array,
-        law: Array,
-        table: Array,
-        *,
-        joints_are_kept: bool,
+        self, q: Array, v: Array, M: Array, h: Array, law: Array, table: Array
     ) -> tuple[Array, float] | None:
         """Return accelerations (nv,) that keep the distances, and the worst excess; None if kept.
 
         Args:
-            state: configuration (nq,) and velocity (nv,).
+            q: configuration (nq,).
+            v: velocity (nv,).
             M: mass matrix (nv, nv).
             h: `C v + G` (nv,).
             law: torque of the law (nv,).
             table: the joints' bounds, and the accelerations that keep them; see `limit_kernels`.
-            joints_are_kept: whether they keep the joints' limits.
         """
-        q, v = state
         count = self._near(q, v)
         if not count:
             return None
@@ -147,13 +140,8 @@ class Separation:
         sense = np.full(2 * n + count, SOFT, dtype=np.int32)
         sense[: 2 * n] = 0
         f, lower, upper = limits[0, :n], limits[1], limits[2]
-        for firm in (2 * n, n) if joints_are_kept else (n,):
-            # The joints' own limits come before distances, and torque limits before all.
-            sense[: 2 * n - firm] = SOFT
-            a, _, flag, _ = self._solve(np.array(M), f, matrix, upper, lower, sense)
-            if flag > 0:
-                break
-        else:
+        a, _, flag, _ = self._solve(np.array(M), f, matrix, upper, lower, sense)
+        if flag <= 0:
             return table[limit_kernels.A].copy(), np.inf
         short = (least - rows @ a) / own
         return a, float(max(short.max(), 0.0))

@@ -176,8 +176,9 @@ def fill_program(
     f, lower, upper = limits[0], limits[1], limits[2]
     for i in range(n):
         f[i] = h[i] - law[i]
-        lower[i] = max(table[LEAST, i], -UNBOUNDED)
-        upper[i] = min(table[MOST, i], UNBOUNDED)
+        # A bound that the joints cannot keep is exceeded no further than without distances.
+        lower[i] = max(min(table[LEAST, i], table[A, i]), -UNBOUNDED)
+        upper[i] = min(max(table[MOST, i], table[A, i]), UNBOUNDED)
         lower[n + i] = max(table[LEAST_TORQUE, i] - h[i], -UNBOUNDED)
         upper[n + i] = min(table[MOST_TORQUE, i] - h[i], UNBOUNDED)
         for j in range(n):
