@@ -165,7 +165,7 @@ class ModelLearning(Described):
         learnt from. Of a measurement that is not usable nothing is learnt.
         """
         law, terms, x = self.controller, self._terms, self._x
-        tau = law.update(q, v, q_d, v_d, a_d, dt)
+        tau: Array = law.update(q, v, q_d, v_d, a_d, dt)
         if not law.uses_model and self._feeds:
             limit = law.joints.effort_limit
             tau = np.clip(tau + terms.friction(law.joints), -limit, limit)

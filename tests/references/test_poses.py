@@ -48,7 +48,7 @@ REFERENCES = {
 def test_twists_are_derivatives(name):
     reference = REFERENCES[name]
     for t in np.linspace(0.01, 2.3, 47):
-        T, V, rate = reference(t)
+        _, V, rate = reference(t)
         ahead, behind = reference(t + H), reference(t - H)
         moved = pin.log6(behind[0].inverse() * ahead[0]).vector / (2 * H)
         np.testing.assert_allclose(moved, V, atol=1e-7)
