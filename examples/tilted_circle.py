@@ -23,12 +23,11 @@ RADIUS = 0.1
 
 def circle(arm: fp.Arm) -> PoseMotion:
     """Return one circle with the pen upright on the plane, from rest to rest."""
-    q = np.array([0.0, 0.3, 0.0, -1.8, 0.0, 2.1, 0.8])
+    q = np.array([0.0, -0.2, 0.0, -2.2, 0.0, 2.0, 0.8])  # The tool points straight down.
     plane = pin.rpy.rpyToMatrix(0.0, TILT, 0.0)
-    # The tool's z axis looks into the plane, against its normal.
-    pen = plane @ pin.rpy.rpyToMatrix(np.pi, 0.0, 0.0)
-    middle = arm.tool_pose(q).translation
-    start = pin.SE3(pen, middle + RADIUS * plane[:, 0])
+    tool = arm.tool_pose(q)
+    middle = tool.translation
+    start = pin.SE3(plane @ tool.rotation, middle + RADIUS * plane[:, 0])
     path = PoseArc(start, middle, axis=plane[:, 2], angle=2.0 * np.pi)
     return PoseMotion.timed(path, arm, q=q, speed=0.15)
 

@@ -31,7 +31,6 @@ def pose_task(word: str, arm: Arm) -> Task:
         ArgumentError: an unknown word, or an arm with fewer than six joints, or without room.
     """
     import numpy as np
-    import pinocchio as pin
 
     from fotsmc_pin.checks import choice
     from fotsmc_pin.evaluation.stress.task_course import task
@@ -46,13 +45,13 @@ def pose_task(word: str, arm: Arm) -> Task:
     if word == "hold":
         held: Any = PoseHold(pose=center, q_start=q)
         return Task(reference=held, words="hold one pose", q_start=q)
-    across = center.rotation[:, 0]
+    ends = [center.copy(), center.copy()]
+    for side, end in zip((-1.0, 1.0), ends, strict=True):
+        end.translation = center.translation + side * radius * center.rotation[:, 0]
     if word == "line":
-        ends = [pin.SE3(center.rotation, center.translation + s * radius * across) for s in (-1, 1)]
         path: Any = PoseLine(*ends)
     else:
-        start = pin.SE3(center.rotation, center.translation + radius * across)
-        path = PoseArc(start, center.translation, center.rotation[:, 2], 2.0 * np.pi)
+        path = PoseArc(ends[1], center.translation, center.rotation[:, 2], 2.0 * np.pi)
     motion: Any = PoseMotion.timed(path, arm, q=q)
     words = f"move the tool along a {word} for {motion.duration:.3g} s, then rest"
     return Task(

@@ -146,7 +146,7 @@ def _run(shot: Shot, signals: Sequence[str] | None, pack: Pack) -> dict[str, Any
     recording, rows = shot.recording, shot.rows
     arm = recording.arm
     if signals is None:
-        signals = [name for name in ("s", "pose_error") if name in recording.signals]
+        signals = [name for name in ("pose_error", "s") if name in recording.signals]
     columns = {"e": recording.e, "tau": recording.tau}
     columns |= {f"signals.{name}": recording.signals[name] for name in signals}
     thin = {name: thinned_curves(recording.t, table) for name, table in columns.items()}

@@ -60,7 +60,7 @@ def test_tracks_poses_on_the_stressed_plant(ur5, swing):
 
 def test_learning_makes_it_five_times_better(ur5, swing):
     true, loop = stressed(ur5)
-    ctl = fp.ModelLearning(fp.TaskSpace(ur5, DT), delay=1)
+    ctl = fp.ModelLearning(fp.TaskSpace(ur5, DT), delay=1, bears=(0.27, 2.5))
     rec = fp.simulate(true, ctl, swing, 10.0, **loop)
     way, turn = rms(pose_errors(rec, 0.7))
     assert way < 0.04e-3

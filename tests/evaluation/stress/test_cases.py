@@ -8,7 +8,7 @@ import pytest
 
 import fotsmc_pin as fp
 from fotsmc_pin.analysis import BandwidthWarning
-from fotsmc_pin.control import RobustFONFTSM
+from fotsmc_pin.control import RobustFONFTSM, TaskSpace
 from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.evaluation.stress import SCENARIOS, Rest, chosen_cases, stress, stress_scenario
 from fotsmc_pin.evaluation.stress.courses import lasting
@@ -202,12 +202,17 @@ class TestCourses:
     def test_every_case_runs(self, name):
         arm = fp.load_arm(name)
         for label, case in CASES.items():
+            if not case.suits(arm):
+                assert case.course == "task"
+                continue
             scenario = case.scenario_of(arm, duration=0.2)
-            row = run_row(scenario, RobustFONFTSM(scenario.arm, scenario.dt), "law")
+            law = TaskSpace if case.course == "task" else RobustFONFTSM
+            row = run_row(scenario, law(scenario.arm, scenario.dt), "law")
             assert (row.arm, row.label) == (name, label)
             assert math.isfinite(row.tail_rms_error), label
-            assert row.text.startswith(("follow", "hold", "make"))
-            assert (row.swing is None) == (case.course in ("sine", "moves")), label
+            assert row.text.startswith(("follow", "hold", "make", "move"))
+            assert (row.swing is None) == (case.course in ("sine", "moves", "task")), label
+            assert (row.tool_way_error is None) == (case.course != "task"), label
             assert (row.motor_rms_error is None) == (case.stiffness is None)
             assert (row.friction_ratio is None) == (not case.frictionless_twin)
 
