@@ -42,7 +42,7 @@ def tool_body(arm: Arm, frame: int, directions: Directions, length: float) -> Ar
 
     Inertia, effort and speed of a direction are the medians, over the arm's poses, of
 
-        1 / (J M0⁻¹ Jᵀ)_ii,   1 / (J diag(1/τ_max) Jᵀ)_ii,   min_j q̇_max,j / |J_ij|
+        ((J M0⁻¹ Jᵀ)⁻¹)_ii,   ((J diag(1/τ_max) Jᵀ)⁻¹)_ii,   min_j q̇_max,j / |J_ij|
 
     The second is the force that drives in proportion to their limits share among them, which is
     how the inertia of their rotors adds up too: with `τ_max / c` as rotors, it is `c` times theirs.
@@ -56,10 +56,10 @@ def tool_body(arm: Arm, frame: int, directions: Directions, length: float) -> Ar
     for q in _configurations(arm):
         J = pin.computeFrameJacobian(model, data, q, frame, pin.ReferenceFrame.LOCAL)[rows]
         M = arm.mass_matrix(q)
-        mobility = np.einsum("ij,ji->i", J, np.linalg.solve(M, J.T))
-        drive = (J * J) @ (1.0 / drives)
+        heavy = np.diag(np.linalg.pinv(J @ np.linalg.solve(M, J.T)))
+        strong = np.diag(np.linalg.pinv((J / drives) @ J.T))
         fastest = np.min(speeds / np.maximum(np.abs(J), 1e-3 * length), axis=1)
-        found.append([1.0 / mobility, 1.0 / drive, fastest])
+        found.append([heavy, strong, fastest])
     inertia, effort, speed = np.median(found, axis=0)
     if not np.isfinite(arm.effort_limit).all():
         effort[:] = np.inf
