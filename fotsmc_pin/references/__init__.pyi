@@ -17,6 +17,7 @@ from .poses import (
     PoseHold as PoseHold,
     PoseLine as PoseLine,
     PoseMotion as PoseMotion,
+    PoseOfJoints as PoseOfJoints,
     PosePath as PosePath,
     PoseScrew as PoseScrew,
     PoseSwing as PoseSwing,

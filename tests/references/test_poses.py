@@ -11,12 +11,14 @@ from fotsmc_pin.references import (
     PoseHold,
     PoseLine,
     PoseMotion,
+    PoseOfJoints,
     PoseScrew,
     PoseSwing,
     PoseWaypoints,
 )
 
 H = 1e-5
+UR5 = fp.load_arm("ur5")
 Q = np.array([0.3, -1.2, 1.4, -0.9, 1.2, 0.3])
 
 
@@ -41,6 +43,7 @@ REFERENCES = {
     **{f"{n}, cruised": PoseMotion(path=p, duration=2.0, cruise=0.5) for n, p in PATHS.items()},
     "swing": PoseSwing(center=A),
     "hold": PoseHold(pose=A),
+    "joints": PoseOfJoints(UR5, fp.references.Sinusoid.inside_limits(UR5)),
 }
 
 
@@ -108,3 +111,19 @@ def test_what_cannot_be_done_is_refused():
         PoseArc(A, [0.0, 0.0, 0.0], [0.0, 0.0, 0.0])
     with pytest.raises(ArgumentError, match="rotation"):
         PoseHold(pose=2.0 * np.eye(4))
+
+
+def test_a_live_target_leads_a_tool():
+    """`set_pose` at any time: the tool follows, and comes to the pose."""
+    live = fp.references.LiveTarget(UR5, q0=Q, timeout=10.0)
+    reference = PoseOfJoints(UR5, live)
+    goal = UR5.tool_pose(Q) * pose([0.0, 0.0, 0.2], [0.03, -0.02, 0.04])
+    live.set_pose(goal)
+    rec = fp.simulate(UR5, fp.TaskSpace(UR5, dt=2e-3), reference, 2.0)
+    assert np.abs(pin.log6(goal.inverse() * UR5.tool_pose(rec.q[-1])).vector).max() < 1e-3
+    assert np.abs(pin.log6(goal.inverse() * UR5.tool_pose(rec.q[0])).vector).max() > 0.03
+
+
+def test_a_frame_that_is_none_is_refused():
+    with pytest.raises(ArgumentError, match="frame"):
+        PoseOfJoints(UR5, fp.references.Hold(UR5), frame="nothing")

@@ -1,6 +1,7 @@
 """References of poses: `t -> (T, V, A)`, for controllers that work at the tool."""
 
 from fotsmc_pin.references.poses.motion import PoseHold, PoseMotion, PoseSwing
+from fotsmc_pin.references.poses.of_joints import PoseOfJoints
 from fotsmc_pin.references.poses.path import (
     PoseArc,
     PoseLine,
@@ -14,6 +15,7 @@ __all__ = [
     "PoseHold",
     "PoseLine",
     "PoseMotion",
+    "PoseOfJoints",
     "PosePath",
     "PoseScrew",
     "PoseSwing",

@@ -9,6 +9,7 @@ import pytest
 
 import fotsmc_pin as fp
 from fotsmc_pin.analysis.linearization import linearize
+from fotsmc_pin.control import FrictionCompensation
 from fotsmc_pin.errors import ArgumentError, MeasurementError
 from fotsmc_pin.evaluation.stress.task_course import task
 from fotsmc_pin.references import PoseArc, PoseHold, PoseMotion, PoseSwing
@@ -241,12 +242,36 @@ def test_its_law_alone_is_that_of_a_joint(ur5):
 
 
 def test_a_safeguard_stops_it(ur5, swing):
-    guard = fp.Safeguard(fp.TaskSpace(ur5, DT))
-    rec = fp.simulate(ur5, guard, swing, 0.3)
+    guard = fp.Safeguard(fp.TaskSpace(ur5, DT), limits=fp.Limits(ur5))
+    rec = fp.simulate(ur5, guard, swing, 0.8)
     assert np.abs(rec.signals["pose_error"][-1]).max() < 1e-3
     guard.stop("tested")
-    tau = guard.update(swing.q_start, np.zeros(6), *swing(0.3))
-    assert np.isfinite(tau).all()
+    q, v = rec.q[-1], rec.v[-1]
+    fastest = np.abs(v).max()
+    assert fastest > 0.05
+    for k in range(round(0.6 / DT)):
+        tau = guard.update(q, v, *swing(0.8 + k * DT))
+        v = v + DT * ur5.forward_dynamics(q, v, tau)
+        q = ur5.integrate(q, DT * v)
+        assert np.abs(v).max() < 1.05 * fastest
+    assert np.abs(v).max() < 0.02 * fastest
+
+
+def test_friction_of_joints_is_not_compensated_by_twists(ur5):
+    friction = FrictionCompensation(ur5, friction=1.0)
+    with pytest.raises(ArgumentError, match="follows poses"):
+        fp.Safeguard(fp.TaskSpace(ur5, DT), friction_compensation=friction)
+
+
+def test_the_law_is_told_of_the_force_that_acts(ur5, swing):
+    """A torque `Jeᵀ F` more than asked is the force `F` more at the tool, as `Λ Je M⁻¹ Jeᵀ = 1`."""
+    task = fp.TaskSpace(ur5, DT)
+    task.update(swing.q_start, np.zeros(6), *swing(0.3))
+    before, tau = task.law.joints.tau.copy(), task.joints.tau.copy()
+    force = np.array([3.0, -2.0, 5.0, 0.3, 0.1, -0.2])
+    jacobian = task._now[4][2]
+    task.note_applied(tau + jacobian.T @ force + 0.5, np.full(6, 0.5))
+    np.testing.assert_allclose(task.law.joints.tau - before, force, rtol=1e-8)
 
 
 def test_the_course_of_the_stress_suite_suits_each_arm(seven, ur5):
