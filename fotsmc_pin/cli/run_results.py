@@ -62,7 +62,9 @@ def keep_results(rec: Recording, told: Told, folder: Path) -> Path:
     plot(rec, folder / "run.png")
     page = folder / f"{file_name(told.nominal.name)}.html"
     export_html(rec, page, progress=True)
-    rows = [*_run_rows(rec, told), *_metric_rows(rec, by_unit)]
+    is_task = getattr(told.controller, "follows_poses", False)
+    # Of a task the joints have no error of their own: what counts is that of the tool.
+    rows = [*_run_rows(rec, told), *_metric_rows(rec, by_unit)[2 if is_task else 0 :]]
     rows.append(
         (
             "tool error, last half",
@@ -70,11 +72,23 @@ def keep_results(rec: Recording, told: Told, folder: Path) -> Path:
             f"{1e3 * at_tool['max_tail_tool_error']:.4g} mm at most",
         )
     )
+    rows += [_turn_row(rec)] if is_task else []
     rows.append(("ticks at an effort limit", f"{100 * summary.saturation_fraction:.3g} %"))
     show_table(told.nominal.name, rows)
     keep_learnt(rec, told.controller, folder)
-    _warn_where_unsettled(rec, by_unit)
+    if not is_task:
+        _warn_where_unsettled(rec, by_unit)
     return page
+
+
+def _turn_row(rec: Recording) -> tuple[str, str]:
+    import numpy as np
+
+    from fotsmc_pin.analysis import pose_errors
+
+    turn = 1e3 * np.linalg.norm(pose_errors(rec, slice(len(rec) // 2, None))[:, 3:], axis=1)
+    rms = float((turn @ turn / len(turn)) ** 0.5)
+    return "tool turned off, last half", f"{rms:.4g} mrad RMS, {turn.max():.4g} mrad at most"
 
 
 def _run_rows(rec: Recording, told: Told) -> list[tuple[str, str]]:

@@ -20,7 +20,9 @@ def run(*arguments):
 def test_a_task_is_simulated_and_its_page_written(tmp_path):
     out = tmp_path / "run"
     options = ("--armature", "rotors", "--payload", "2", "--duration", "1.0")
-    run("ur5", "--task", "line", *options, "--out", out)
+    said = run("ur5", "--task", "line", *options, "--out", out)
+    assert "tool turned off, last half" in said
+    assert "settles to" not in said
     rec = fp.Recording.load(out / "run.npz")
     assert rec.metadata["task"]["frame"] == "tool0"
     assert rec.signals["pose_d"].shape == (len(rec), 7)
