@@ -184,6 +184,28 @@ def see(
     return bool(n > m or b.kept[0] < 1.0)
 
 
+@kernel(is_part=True)
+def felt_at_tool(torque: Array, L: Array, Y: Array, felt: Array) -> None:
+    """Write the acceleration `Je M⁻¹ τ = Yᵀ L⁻¹ τ` (m,) that a torque (nv,) is at the tool.
+
+    Args:
+        torque: `τ` (nv,), which becomes `L⁻¹ τ`.
+        L: Cholesky factor of the mass matrix (nv, nv).
+        Y: `L⁻¹ Jeᵀ` (nv, m).
+        felt: the acceleration, overwritten; entries beyond the m-th are left.
+    """
+    n, m = Y.shape
+    for i in range(n):
+        entry = torque[i]
+        for k in range(i):
+            entry -= L[i, k] * torque[k]
+        torque[i] = entry / L[i, i]
+    for a in range(m):
+        felt[a] = 0.0
+        for i in range(n):
+            felt[a] += Y[i, a] * torque[i]
+
+
 @kernel
 def act(
     force: Array, posture: Array, h0: Array, joints: Array, point: Array, tool: Array,
@@ -211,14 +233,8 @@ def act(
     m, n = Lambda.shape[0], L.shape[0]
     # Je M⁻¹ (τ_p - h0) = Yᵀ L⁻¹ (τ_p - h0)
     for i in range(n):
-        entry = posture[i] - h0[i]
-        for k in range(i):
-            entry -= L[i, k] * p.free[k]
-        p.free[i] = entry / L[i, i]
-    for a in range(m):
-        t.x[a] = 0.0
-        for i in range(n):
-            t.x[a] += Y[i, a] * p.free[i]
+        p.free[i] = posture[i] - h0[i]
+    felt_at_tool(p.free, L, Y, t.x)
     for a in range(m):
         t.f[a] = force[a]
         for b in range(m):
@@ -233,15 +249,7 @@ def act(
         p.free[i] = x.tau[i] - wanted
     # What the limits took from the force: Λ Yᵀ L⁻¹ (τ - τ_wanted)
     if most > 1.0:
-        for i in range(n):
-            entry = p.free[i]
-            for k in range(i):
-                entry -= L[i, k] * p.free[k]
-            p.free[i] = entry / L[i, i]
-        for a in range(m):
-            t.f[a] = 0.0
-            for i in range(n):
-                t.f[a] += Y[i, a] * p.free[i]
+        felt_at_tool(p.free, L, Y, t.f)
         for a in range(m):
             t.x[a] = force[a]
             for b in range(m):

@@ -81,8 +81,8 @@ def of_parts(
 
 
 @dataclass(frozen=True)
-class PoseLine(PosePath):
-    """The origin on a straight line, while the frame turns evenly about one axis.
+class BetweenPoses(PosePath):
+    """A path from one pose to another, less than half a turn apart.
 
     Attributes:
         start: pose at `s = 0`.
@@ -102,6 +102,16 @@ class PoseLine(PosePath):
     def _turn(self) -> Array:
         return turned("end", self.start, self.end)
 
+
+@dataclass(frozen=True)
+class PoseLine(BetweenPoses):
+    """The origin on a straight line, while the frame turns evenly about one axis.
+
+    Attributes:
+        start: pose at `s = 0`.
+        end: pose at `s = 1`.
+    """
+
     def at(self, s: float) -> tuple[pin.SE3, Array, Array]:
         """Return the pose, its twist (6,) and the derivative of that (6,), by `s` from 0 to 1."""
         way, zero = self.end.translation - self.start.translation, np.zeros(3)
@@ -110,22 +120,13 @@ class PoseLine(PosePath):
 
 
 @dataclass(frozen=True)
-class PoseScrew(PosePath):
+class PoseScrew(BetweenPoses):
     """The shortest motion on SE(3): `T(s) = T_0 exp(s log(T_0⁻¹ T_1))`, one screw all the way.
 
     Attributes:
         start: pose at `s = 0`.
         end: pose at `s = 1`.
     """
-
-    start: pin.SE3
-    end: pin.SE3
-
-    def __post_init__(self) -> None:
-        """Check the poses."""
-        object.__setattr__(self, "start", pose_of("start", self.start))
-        object.__setattr__(self, "end", pose_of("end", self.end))
-        turned("end", self.start, self.end)
 
     @cached_property
     def _twist(self) -> Array:
