@@ -125,14 +125,14 @@ def test_the_shell_completes_arms_laws_and_references(fotsmc):
     assert "--payload-frame" in completed("fotsmc perturb two_link --payl")
 
 
-def test_a_terminal_of_ascii_gets_ascii(fotsmc):
+def test_a_terminal_of_ascii_gets_ascii(new_fotsmc):
     ascii_only = {"LC_ALL": "C", "PYTHONIOENCODING": "ascii"}
     for words in (
         ("inspect", "two_link", "--samples", "5"),
         ("simulate", "--help"),
         ("simulate", "two_link", "--duration", "0.2", "--mass-scale", "1.1"),
     ):
-        result = fotsmc(*words, **ascii_only)
+        result = new_fotsmc(*words, **ascii_only)
         assert result.returncode == 0, result.stderr
         assert result.stdout.isascii()
         assert "N*m" in result.stdout

@@ -10,7 +10,8 @@ from fotsmc_pin.view.visuals import visuals_of
 
 pytestmark = pytest.mark.browser
 
-ARMS = ["two_link_true", "panda", "ur5", "kinova", "z1", "so101", "baxter"]
+MANY = [pytest.param(name, marks=pytest.mark.long) for name in ("ur5", "kinova", "z1", "baxter")]
+ARMS = ["two_link_true", "panda", "so101", *MANY]
 
 # Smaller visuals may lie wholly inside others.
 SMALL = 0.03
