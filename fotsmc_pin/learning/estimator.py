@@ -36,8 +36,9 @@ STILL = 0.03
 IDLE = 0.5
 """Share of the recent time at rest from which on a joint's row says nothing."""
 REPEATS = 2.0
-DRIFT = 1e-3
-"""Variance that a parameter gains in a second of motion, over that beforehand."""
+DRIFT = 1e-4
+"""Variance that a parameter gains in a second of motion, over that beforehand: friction may change
+by a third of its deviation in a quarter of an hour, as in a gearbox that warms up."""
 NOISE_RATE = 1.0
 """Rate at which the noise of a row is tracked [1/s]."""
 SURPRISE_RATE = 10.0
@@ -195,8 +196,9 @@ def take_row(j: int, duration: float, joints: JointRows, Y: Array, b: Beliefs, P
     known = 0.0
     for c in range(columns):
         known += Y[j, c] * g[place(j, c, n)]
-    friction = b.estimate[place(j, shared_columns(n) + 2, n)]
-    noise = joints.noise[j] + (STICKING * joints.idle[j] * friction) ** 2
+    k = place(j, shared_columns(n) + 2, n)
+    friction = b.estimate[k] ** 2 + P[k, k]  # Squared, as large as it may be.
+    noise = joints.noise[j] + (STICKING * joints.idle[j]) ** 2 * friction
     surprise = min(error * error / (noise + known), MOST_SURPRISE)
     joints.surprise[j] += SURPRISE_RATE * duration * (surprise - joints.surprise[j])
     repeated = noise * max(1.0, REPEATS / (RATE * duration))

@@ -11,7 +11,7 @@ from fotsmc_pin.learning import estimator, model_learning, parameters, trust
 
 PAGE = Path(__file__).parents[2] / "docs/learning.md"
 TEXT = " ".join(PAGE.read_text("utf-8").split())
-WORDS = {1.0: "a second", 2.0: "two", 4: "four", 1e-3: "a thousandth", 9.0: "nine", 0.5: "half"}
+WORDS = {1.0: "a second", 2.0: "two", 4: "four", 1e-4: "a ten-thousandth", 9.0: "nine", 0.5: "half"}
 TICK = 1e-3
 
 
@@ -24,7 +24,7 @@ TICK = 1e-3
         rf"\(\kappa = {estimator.REPEATS:g}/({estimator.RATE:g}\,\mathrm{{rad/s}}\cdot T)\) times, "
         f"{estimator.REPEATS / (estimator.RATE * estimator.WINDOW * TICK):g} at 1 kHz",
         f"averaged over {WORDS[1.0 / estimator.NOISE_RATE]}",
-        f"{WORDS[estimator.STICKING]} of its friction is added",
+        f"{WORDS[estimator.STICKING]} of what its friction may be, ",
         f"gains {WORDS[estimator.DRIFT]} of its first variance per second",
         f"slower than about {estimator.STILL:g} rad/s for {WORDS[estimator.IDLE]} of the recent",
         f"is more than {WORDS[estimator.SURPRISING]} times",
