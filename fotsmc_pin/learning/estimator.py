@@ -31,6 +31,9 @@ RATE = 25.0
 SIGN_WIDTH = 0.01
 """Speed over which Coulomb friction changes sign [rad/s, m/s]."""
 STICKING = 0.5
+DOUBTED = 0.25
+"""Share of the deviation of a joint's friction that counts as friction while it may stick: less than
+all, or friction itself is learnt late; none, and what is not known of it passes for a rotor."""
 STILL = 0.03
 """Speed below which a joint may stick, so that its friction is anything up to a bound."""
 IDLE = 0.5
@@ -197,7 +200,7 @@ def take_row(j: int, duration: float, joints: JointRows, Y: Array, b: Beliefs, P
     for c in range(columns):
         known += Y[j, c] * g[place(j, c, n)]
     k = place(j, shared_columns(n) + 2, n)
-    friction = b.estimate[k] ** 2 + P[k, k]  # Squared, as large as it may be.
+    friction = b.estimate[k] ** 2 + DOUBTED**2 * P[k, k]  # Squared.
     noise = joints.noise[j] + (STICKING * joints.idle[j]) ** 2 * friction
     surprise = min(error * error / (noise + known), MOST_SURPRISE)
     joints.surprise[j] += SURPRISE_RATE * duration * (surprise - joints.surprise[j])

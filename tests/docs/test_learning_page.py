@@ -24,7 +24,8 @@ TICK = 1e-3
         rf"\(\kappa = {estimator.REPEATS:g}/({estimator.RATE:g}\,\mathrm{{rad/s}}\cdot T)\) times, "
         f"{estimator.REPEATS / (estimator.RATE * estimator.WINDOW * TICK):g} at 1 kHz",
         f"averaged over {WORDS[1.0 / estimator.NOISE_RATE]}",
-        f"{WORDS[estimator.STICKING]} of what its friction may be, ",
+        f"{WORDS[estimator.STICKING]} of what its friction may be, "
+        rf"\(\sqrt{{\hat f^2 + ({estimator.DOUBTED:g}\,\sigma_f)^2}}\), is added",
         f"gains {WORDS[estimator.DRIFT]} of its first variance per second",
         f"slower than about {estimator.STILL:g} rad/s for {WORDS[estimator.IDLE]} of the recent",
         f"is more than {WORDS[estimator.SURPRISING]} times",
