@@ -30,7 +30,7 @@ LADEN = 1.2
 """Inertia that braking is planned for, over the nominal arm's: a payload may be there."""
 PEAK = LADEN / (1.0 - RISE)
 """Torque that the height of the trapezium asks, over that of a constant deceleration."""
-ROOM, GENTLE = 0.2, 0.2
+ROOM, GENTLE = 0.2, 0.3
 """The way that a stop may well take [rad, m], and the time [s]: it is not harder than that."""
 EASING = 0.02
 """Time in which the acceleration at the start is faded out [s]."""

@@ -9,8 +9,9 @@ import pinocchio as pin
 
 from fotsmc_pin import checks
 from fotsmc_pin.compiled import restricted, specialized
-from fotsmc_pin.control.safety import limit_kernels as rows
-from fotsmc_pin.control.safety.limit_kernels import filtered, read_state
+from fotsmc_pin.control.safety import limit_bounds as rows
+from fotsmc_pin.control.safety.limit_bounds import look_back, read_state
+from fotsmc_pin.control.safety.limit_kernels import filtered
 from fotsmc_pin.control.safety.separation import Separation
 from fotsmc_pin.control.saved_state import present
 from fotsmc_pin.copying import SharesNothing
@@ -32,7 +33,18 @@ UNLIMITED = 1e9
 LOST = 1.0
 """A bound counts as lost where it is exceeded by this share of a joint's deceleration, for longer
 than the delay of the loop."""
-LINKED = {"_model", "_data", "_M", "_h", "_q", "_v", "_sent", "_law", "_filtered"}
+LINKED = {
+    "_model",
+    "_data",
+    "_M",
+    "_h",
+    "_q",
+    "_v",
+    "_sent",
+    "_added",
+    "_ahead",
+    "_filtered",
+}
 """Attributes that only refer to other memory; no copy takes them along."""
 
 
@@ -53,9 +65,9 @@ class LimitFilter(SharesNothing):
         self.limits, self.arm, self._dt = limits, limits.arm, dt
         n, self._nq = self.arm.nv, self.arm.nq
         effort = self.arm.effort_limit
-        self._table = table = np.zeros((rows.PENDING + limits.delay + 1, n))
+        self._table = table = np.zeros((rows.PENDING + 2 * (limits.delay + 1), n))
         self._work = np.zeros((2 * n + 1, n))
-        self._torque, self._added = np.zeros((2, n)), np.zeros(n)
+        self._torque = np.zeros((3, n))
         self._state = np.zeros((2, max(n, self.arm.nq)))
         self._places = np.array(self.arm.model.idx_qs[1:], dtype=np.int64)
         speed = np.minimum(limits.velocity_share * np.asarray(limits.velocity), UNLIMITED)
@@ -71,7 +83,7 @@ class LimitFilter(SharesNothing):
 
     def reset(self) -> None:
         """Forget every tick."""
-        self.has_started = False
+        self.has_started, self._pace = False, rows.SLOW
         self.broken: str | None = None
         self._lost = 0
         if self._separation is not None:
@@ -79,7 +91,6 @@ class LimitFilter(SharesNothing):
         self._table[rows.X : rows.LEAST_TORQUE] = 0.0
         self._table[rows.LEAST :] = 0.0
         self._torque[:] = 0.0
-        self._added[:] = 0.0
         self._table[rows.LOWER] = self.limits.lower + np.asarray(self.limits.margin)
         self._table[rows.UPPER] = self.limits.upper - np.asarray(self.limits.margin)
 
@@ -141,21 +152,21 @@ class LimitFilter(SharesNothing):
             if not self.has_started:
                 return
         try:
-            is_read = self._read(q, v)
+            self._pace = self._read(q, v)
         except (AttributeError, TypeError):  # not plain arrays of floats
-            is_read = False
-        if not is_read:
+            self._pace = rows.UNUSABLE
+        if self._pace == rows.UNUSABLE:
             n, nq = self.arm.nv, self.arm.nq
             try:
                 known_q, known_v = checks.finite_vector("q", q, nq), checks.finite_vector("v", v, n)
             except ValueError:
-                a, dt, speed = self._table[rows.A], self._dt, self._v
-                known_q = pin.integrate(self._model, self._q, dt * speed + 0.5 * dt * dt * a)
-                known_v = speed + dt * a
-            self._read(known_q, known_v)
+                look_back(self._dt, self._table)
+                way, known_v = self._ahead[:2]
+                known_q = pin.integrate(self._model, self._q, way)
+            self._pace = self._read(known_q, known_v)
 
-    def _read(self, q: Array, v: Array) -> bool:
-        return read_state(q, v, self._nq, self._state, self._places, self._table)
+    def _read(self, q: Array, v: Array) -> int:
+        return read_state(self._dt, q, v, self._nq, self._state, self._places, self._table)
 
     def torque(
         self,
@@ -175,10 +186,9 @@ class LimitFilter(SharesNothing):
         """
         if not self.has_started:
             return tau
-        table, sent, law = self._table, self._sent, self._law
-        law[:] = tau
+        table = self._table
         if allowed is not None:
-            beyond = np.full(law.size, np.inf)
+            beyond = np.full(tau.size, np.inf)
             table[rows.LEAST_TORQUE], table[rows.MOST_TORQUE] = allowed(-beyond), allowed(beyond)
         if terms is None:
             pin.crba(self._model, self._data, self._q, LOCAL)
@@ -186,19 +196,27 @@ class LimitFilter(SharesNothing):
             M, h = self._M, self._h
         else:
             M, h = terms.M, terms.h
-        worst = self._filtered(self._dt, sent, law, M, h, self._work, table)
+        looks_late, late = self._pace == rows.QUICK, h
+        if looks_late:
+            way, speed, place, a = self._ahead
+            if self._nq != tau.size:
+                place = pin.integrate(self._model, self._q, way)
+            late = pin.rnea(self._model, self._data, place, speed, a)
+        worst = self._filtered(
+            self._dt, tau, M, h, late, looks_late, self._torque, self._work, table
+        )
         if self._separation is not None:
-            found = self._separation.accelerations(self._q, self._v, M, h, law, table)
+            found = self._separation.accelerations(self._q, self._v, M, h, tau, table)
             if found is not None:
                 a, short = found
                 wanted = M @ a + h
-                sent[:] = np.clip(wanted, table[rows.LEAST_TORQUE], table[rows.MOST_TORQUE])
+                self._sent[:] = np.clip(wanted, table[rows.LEAST_TORQUE], table[rows.MOST_TORQUE])
+                np.subtract(self._sent, tau, out=self._added)
                 table[rows.A] = table[rows.PENDING] = a
                 worst = max(worst, short)
-        np.subtract(sent, law, out=self._added)
         if worst > 0.0 or self._lost:
             self._watch(worst)
-        return sent.copy()
+        return self._sent.copy()
 
     def _watch(self, worst: float) -> None:
         """Note a limit that could not be kept for longer than the delay of the loop."""
@@ -234,7 +252,6 @@ class LimitFilter(SharesNothing):
         self.broken = str(present(arrays, "broken")) or None
         self._table[:], self._torque[:], self._state[:] = table, torque, state
         self._lost, self.has_started = lost, started
-        np.subtract(self._sent, self._law, out=self._added)
 
     def __getstate__(self) -> dict[str, Any]:
         """Return everything but what `_link` makes."""
@@ -249,10 +266,12 @@ class LimitFilter(SharesNothing):
         self._model, self._data = self.arm.model, self.arm.model.createData()
         self._M, self._h = self._data.M.T, self._data.nle
         self._q, self._v = self._state[0, : self.arm.nq], self._state[1, : self.arm.nv]
-        self._sent, self._law = self._torque
-        sent, law = self._torque
+        self._sent, _, self._added = self._torque
+        ahead = (rows.WAY, rows.LATE_V, rows.PLACE, rows.PENDING)
+        self._ahead = tuple(self._table[row] for row in ahead)
         nq, own = self.arm.nq, (self._state, self._places, self._table)
-        restricted(read_state, np.zeros(1), np.zeros(1), nq, *own)
+        restricted(read_state, self._dt, np.zeros(1), np.zeros(1), nq, *own)
+        terms = (self._M, self._h, self._h)
         self._filtered = specialized(
-            filtered, self._dt, sent, law, self._M, self._h, self._work, self._table
+            filtered, self._dt, self._sent, *terms, False, self._torque, self._work, self._table
         )

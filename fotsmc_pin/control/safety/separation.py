@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from fotsmc_pin.arms.self_collision import SelfCollision
-from fotsmc_pin.control.safety import limit_kernels
+from fotsmc_pin.control.safety import limit_bounds
 from fotsmc_pin.control.safety import separation_kernels as kernels
 from fotsmc_pin.control.safety.shape_speeds import farthest, speeds
 from fotsmc_pin.errors import ArgumentError, MissingDependencyError
@@ -124,7 +124,7 @@ class Separation:
             M: mass matrix (nv, nv).
             h: `C v + G` (nv,).
             law: torque of the law (nv,).
-            table: the joints' bounds, and the accelerations that keep them; see `limit_kernels`.
+            table: the joints' bounds, and the accelerations that keep them; see `limit_bounds`.
         """
         count = self._near(q, v)
         if not count:
@@ -142,7 +142,7 @@ class Separation:
         f, lower, upper = limits[0, :n], limits[1], limits[2]
         a, _, flag, _ = self._solve(np.array(M), f, matrix, upper, lower, sense)
         if flag <= 0:
-            return table[limit_kernels.A].copy(), np.inf
+            return table[limit_bounds.A].copy(), np.inf
         short = (least - rows @ a) / own
         return a, float(max(short.max(), 0.0))
 
@@ -194,7 +194,7 @@ class Separation:
     def _compile(self) -> None:
         """Compile the kernels, so that no tick has to wait."""
         n = self._arm.nv
-        table, M = np.zeros((limit_kernels.PENDING, n)), np.eye(n)
+        table, M = np.zeros((limit_bounds.PENDING, n)), np.eye(n)
         none, rows = np.zeros(n), self._rows
         places, numbers = (self._least, self._own), (self._late, self._horizon)
         kernels.gradients(

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING, TypeAlias
 
 from fotsmc_pin.compiled import kernel
-from fotsmc_pin.control.safety.limit_kernels import (
+from fotsmc_pin.control.safety.limit_bounds import (
     LEAST,
     LEAST_TORQUE,
     MOST,
@@ -125,7 +125,7 @@ def distances_are_kept(
         horizon: of the bounds [s].
         least: overwritten (k,).
         own: deceleration of each distance, overwritten (k,).
-        table: of the joints; see `limit_kernels`.
+        table: of the joints; see `limit_bounds`.
     """
     are_kept = True
     slow = 4.0 * horizon
@@ -168,7 +168,7 @@ def fill_program(
         law: torque of the law (nv,).
         rows: gradients of the distances (k, nv).
         least: least acceleration of each (k,).
-        table: of the joints; see `limit_kernels`.
+        table: of the joints; see `limit_bounds`.
         matrix: `A`: `M`, then the gradients; its first nv + k rows are overwritten.
         limits: `f`, `lower` and `upper` as rows, of which the first 2 nv + k are overwritten.
     """
