@@ -42,12 +42,12 @@ FLAGS = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshad
 PATIENCE = 180_000
 """A machine without a graphics card draws slowly [ms]."""
 
-MOVING = "hold_still/hold_still.html"
-SPAN, RATE = (3.6, 8.0), 10.0
+MOVING = "compare/compare.html"
+SPAN, RATE = (0.0, 5.0), 8.0
 """What the moving picture shows of its run [s], and its frames per second of the run."""
-SIZE = (820, 470)
+SIZE = (1000, 560)
 """Of the page that is pictured [px]."""
-SHOWN = 374
+SHOWN = 464
 """Of its height, without the controls [px]."""
 
 

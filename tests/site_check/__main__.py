@@ -39,7 +39,7 @@ def main() -> int:
         )
         print(f"build: strict, {time.monotonic() - start:.0f} s")
     links = follow(SITE)
-    print(f"links: {links}")
+    print("\n".join([f"links: {links}", *links.dead]), flush=True)
     pages = [SITE / name for name in asked.pages] or sorted(SITE.rglob("*.html"))
     start = time.monotonic()
     findings = look_at(pages, SITE, OUT, lambda text: print(text, flush=True))
@@ -47,8 +47,6 @@ def main() -> int:
     kinds = {"dead links": links.dead, "grave": findings.grave, "mild": findings.mild}
     report = "\n".join(line for kind, lines in kinds.items() for line in (f"# {kind}", *lines))
     (OUT / "findings.txt").write_text(report + "\n", "utf-8")
-    for finding in (*links.dead, *findings.grave):
-        print(finding)
     return 1 if links.dead or findings.grave else 0
 
 

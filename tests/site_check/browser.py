@@ -17,13 +17,13 @@ GRAVE = ("serious", "critical")
 
 SCREENS: dict[str, dict[str, Any]] = {
     "laptop": {"viewport": {"width": 1366, "height": 768}},
-    "laptop-dark": {"viewport": {"width": 1366, "height": 768}, "color_scheme": "dark"},
     "phone": {
         "viewport": {"width": 390, "height": 844},
         "device_scale_factor": 2,
         "is_mobile": True,
         "has_touch": True,
     },
+    "laptop-dark": {"viewport": {"width": 1366, "height": 768}, "color_scheme": "dark"},
 }
 """Screens on which a page is looked at."""
 
@@ -83,13 +83,15 @@ def look_at(pages: list[Path], site: Path, pictures: Path, say: Callable[[str], 
                 _settle(page)
                 picture = name.removesuffix(".html").replace("/", "-") + ".jpg"
                 page.screenshot(path=pictures / screen / picture, quality=85, type="jpeg")
-                where = f"{name}, {screen}"
+                where, before = f"{name}, {screen}", len(findings.grave)
                 findings.grave += [f"{where}: {text}" for text in complaints]
                 if (beyond := page.evaluate(TOO_WIDE)) > 0:
                     findings.grave.append(f"{where}: wider than the screen by {beyond} px")
                 page.evaluate(script)
                 _sort(page.evaluate(RUN_AXE), where, findings)
                 findings.looked_at += 1
+                for grave in findings.grave[before:]:
+                    say(grave)
                 page.close()
             say(f"{screen}: {findings}")
             context.close()
