@@ -15,7 +15,7 @@ import sys
 import time
 from pathlib import Path
 
-from tests.site_check.browser import look_at
+from tests.site_check.browser import SCREENS, look_at
 from tests.site_check.links import follow
 
 ROOT = Path(__file__).parents[2]
@@ -26,6 +26,7 @@ OUT = ROOT / "test-output/site"
 def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m tests.site_check", description=__doc__)
     parser.add_argument("--built", action="store_true", help="take the site that was built last")
+    parser.add_argument("--screen", action="append", choices=SCREENS, help="only on this screen")
     parser.add_argument("pages", nargs="*", help="look at these pages only: index.html")
     asked = parser.parse_args()
     OUT.mkdir(parents=True, exist_ok=True)
@@ -42,7 +43,8 @@ def main() -> int:
     print("\n".join([f"links: {links}", *links.dead]), flush=True)
     pages = [SITE / name for name in asked.pages] or sorted(SITE.rglob("*.html"))
     start = time.monotonic()
-    findings = look_at(pages, SITE, OUT, lambda text: print(text, flush=True))
+    screens = asked.screen or [*SCREENS]
+    findings = look_at(pages, SITE, OUT, screens, lambda text: print(text, flush=True))
     print(f"pages: {findings}, {time.monotonic() - start:.0f} s; pictures in {OUT}")
     kinds = {"dead links": links.dead, "grave": findings.grave, "mild": findings.mild}
     report = "\n".join(line for kind, lines in kinds.items() for line in (f"# {kind}", *lines))

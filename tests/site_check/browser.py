@@ -65,13 +65,15 @@ def browser() -> Iterator[Any]:
         started.close()
 
 
-def look_at(pages: list[Path], site: Path, pictures: Path, say: Callable[[str], None]) -> Findings:
+def look_at(
+    pages: list[Path], site: Path, pictures: Path, screens: list[str], say: Callable[[str], None]
+) -> Findings:
     """Run axe on each page on each screen, and keep pictures of its first screen."""
     findings = Findings()
     script = AXE.read_text("utf-8")
     with browser() as started:
-        for screen, options in SCREENS.items():
-            context = started.new_context(offline=True, reduced_motion="reduce", **options)
+        for screen in screens:
+            context = started.new_context(offline=True, reduced_motion="reduce", **SCREENS[screen])
             (pictures / screen).mkdir(parents=True, exist_ok=True)
             context.set_default_timeout(120_000)
             for path in pages:
