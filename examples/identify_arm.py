@@ -1,6 +1,7 @@
 """Identify an arm: from the log of one motion to a URDF that a controller can trust.
 
-Writes the recording, `identified.urdf` and a page with every parameter into `out/identify_arm`.
+Writes the recording, `identified.urdf`, a page with the motion and one with every parameter into
+`out/identify_arm`.
 """
 
 from pathlib import Path
@@ -44,6 +45,7 @@ def main(out: Path = Path("out/identify_arm"), duration: float = 10.0) -> fp.Ide
 
     out.mkdir(parents=True, exist_ok=True)
     log.save(out / "run.npz")
+    fp.export_html(log, out / "motion.html", title="A motion that shows an arm's parameters")
     result.write_urdf(out / "identified.urdf")
     page = write_identification(result, out / "identified.html")
     print(f"Open {page} in a browser.")

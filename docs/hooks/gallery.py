@@ -11,6 +11,7 @@ import os
 import subprocess
 import sys
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -25,8 +26,12 @@ ROOT = Path(__file__).parents[2]
 CACHE = ROOT / "out" / "site"
 EXAMPLES = (
     *("quickstart", "two_link", "own_urdf", "own_controller", "compare", "panda_payload"),
-    "pick_and_drop",
+    *("pick_and_drop", "hold_still", "identify_arm", "rehearsal", "c_in_the_loop"),
+    "tilted_circle",
 )
+AT_ONCE = 2
+"""So many examples run at the same time: each is one process that keeps one core busy."""
+
 SHOWN = (".html", ".svg", ".md")
 
 COMMANDS: dict[str, list[list[str]]] = {
@@ -43,8 +48,10 @@ log = logging.getLogger("mkdocs.plugins.gallery")
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
     """Add what every command writes to the site."""
-    for folder in COMMANDS:
-        for path in sorted(results_of(folder).iterdir()):
+    with ThreadPoolExecutor(AT_ONCE) as pool:
+        results = dict(zip(COMMANDS, pool.map(results_of, COMMANDS), strict=True))
+    for folder, place in results.items():
+        for path in sorted(place.iterdir()):
             if path.suffix in SHOWN:
                 uri = f"{folder}/{path.name}"
                 files.append(File.generated(config, uri, abs_src_path=str(path)))

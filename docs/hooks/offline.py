@@ -1,4 +1,4 @@
-"""Holds the built site to fetching nothing: no script, style, image or frame from elsewhere."""
+"""Holds the built site to working from disk: nothing is fetched from elsewhere."""
 
 from __future__ import annotations
 
@@ -15,6 +15,11 @@ FETCHED_BY_PAGES = re.compile(
     r"<(?:script|link|img|iframe|source|video|audio)\b[^>]*?\b(?:src|href)=[\"']?(?:https?:)?//[^\"'>\s]+"
 )
 FETCHED_BY_STYLES = re.compile(r"(?:url\(|@import)\s*[\"']?(?:https?:)?//[^\"')\s]+")
+
+
+def on_post_template(output_content: str, template_name: str, config: MkDocsConfig) -> str:
+    """Leave out the page for what is not found: it needs a server, and its address beforehand."""
+    return "" if template_name == "404.html" else output_content
 
 
 def on_post_build(config: MkDocsConfig) -> None:

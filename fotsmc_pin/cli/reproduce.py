@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import webbrowser
 from pathlib import Path
 from typing import Annotated
 
@@ -13,6 +14,7 @@ from fotsmc_pin.cli.output import Force, plain_console, plain_table, result_fold
 def reproduce(
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("out/two_link"),
     force: Force = False,
+    open_page: Annotated[bool, typer.Option("--open", help="Open the page when done.")] = False,
 ) -> None:
     """Run the paper's two-link case and judge its claims."""
     from fotsmc_pin.paper.reproduce import reproduce as run_the_paper
@@ -30,4 +32,7 @@ def reproduce(
     console.print(
         f"Read what was measured in {folder / 'claims.md'} and {folder / 'comparison.md'}."
     )
-    console.print(f"Open {folder / 'two_link.html'} in a browser.")
+    page = folder / "two_link.html"
+    console.print(f"Open {page} in a browser.")
+    if open_page:
+        webbrowser.open(page.resolve().as_uri())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 import runpy
 import subprocess
 import sys
@@ -24,6 +25,9 @@ PAGES = {
     "panda_payload": "panda_payload.html",
     "pick_and_drop": "pick_and_drop.html",
     "tilted_circle": "tilted_circle.html",
+    "hold_still": "hold_still.html",
+    "rehearsal": "rehearsal.html",
+    "c_in_the_loop": "c_in_the_loop.html",
 }
 
 
@@ -38,7 +42,10 @@ def test_an_example_is_short_and_says_what_it_shows(name):
     assert ast.get_docstring(ast.parse(text))
 
 
-@pytest.mark.parametrize("name", [name for name in PAGES if name not in ("own_urdf", "two_link")])
+OWN_TESTS = ("own_urdf", "two_link", "c_in_the_loop")
+
+
+@pytest.mark.parametrize("name", [name for name in PAGES if name not in OWN_TESTS])
 def test_an_example_runs_for_a_moment(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     main_of(name)(tmp_path / "made", duration=0.2)
@@ -81,6 +88,13 @@ def test_the_first_example_runs_as_a_reader_runs_it(tmp_path):
     assert done.returncode == 0, done.stderr
     assert "elbow: gravity takes up to" in done.stdout
     assert (tmp_path / "out/own_urdf/own_urdf.html").is_file()
+
+
+def test_c_in_the_loop_says_how_near_it_is_to_python(tmp_path, capsys):
+    main_of("c_in_the_loop")(tmp_path, duration=0.3)
+    apart = re.search(r"differ by (\S+) N·m at most", capsys.readouterr().out)
+    assert float(apart[1]) < 1e-9
+    assert (tmp_path / PAGES["c_in_the_loop"]).is_file()
 
 
 def test_an_arm_is_identified_and_then_tracked_better(tmp_path, capsys):
