@@ -32,8 +32,8 @@ SIGN_WIDTH = 0.01
 """Speed over which Coulomb friction changes sign [rad/s, m/s]."""
 STICKING = 0.5
 DOUBTED = 0.25
-"""Share of the deviation of a joint's friction that counts as friction while it may stick: less than
-all, or friction itself is learnt late; none, and what is not known of it passes for a rotor."""
+"""Share of the deviation of a joint's friction that counts as friction while it may stick: with all
+of it friction is learnt late, with none what is not known of it passes for a rotor."""
 STILL = 0.03
 """Speed below which a joint may stick, so that its friction is anything up to a bound."""
 IDLE = 0.5
