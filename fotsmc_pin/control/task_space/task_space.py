@@ -6,7 +6,6 @@ import copy
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pinocchio as pin
 
 from fotsmc_pin import checks
 from fotsmc_pin.arms import demand_arm
@@ -24,6 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
     from typing import TypeAlias
 
+    import pinocchio as pin
     from numpy.typing import ArrayLike
 
     from fotsmc_pin.arms import Arm

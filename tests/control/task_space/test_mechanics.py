@@ -54,7 +54,8 @@ def test_the_law_is_told_how_the_error_moves(arm, directions):
             continue
         tested += 1
         e_dot, a_d, a_f = seen.e_dot.copy(), seen.a_d.copy(), ctl._p.a.copy()
-        Lambda, drift, Je = ctl._mobility.copy(), ctl._drift.copy(), ctl._joints[TASK : TASK + m].copy()
+        Lambda, drift = ctl._mobility.copy(), ctl._drift.copy()
+        Je = ctl._joints[TASK : TASK + m].copy()
         F = rng.normal(size=m)
         tau = Je.T @ F + arm.inverse_dynamics(q, v, np.zeros(n))
         a = arm.forward_dynamics(q, v, tau)

@@ -7,6 +7,7 @@ import pytest
 
 import fotsmc_pin as fp
 from fotsmc_pin.arms import with_known_friction
+from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.realtime import MujocoRobot
 from fotsmc_pin.references import LiveTarget, PoseOfJoints, PoseSwing
 from tests.robust.safe_stops import Clock
@@ -60,7 +61,7 @@ def test_limits_and_learning_go_around_a_task_together(ur5, swing):
 def test_a_live_pose_leads_the_tool(ur5):
     live = LiveTarget(ur5, q0=READY, timeout=np.inf)
     goal = ur5.tool_pose(READY)
-    goal.translation = goal.translation + [0.0, 0.04, 0.02]
+    goal.translation = goal.translation + np.array([0.0, 0.04, 0.02])
     assert live.set_pose(goal) < 1e-5
     clock = Clock()
     robot = MujocoRobot(fp.perturb(ur5, mass_scale=1.1), READY, clock=clock)
@@ -92,3 +93,9 @@ def test_friction_that_is_known_is_fed_forward_to_a_task(ur5, swing):
         rec = fp.simulate(true, task, swing, 1.0, integrator="semi-implicit")
         worst[name] = np.abs(rec.signals["pose_error"][400:]).max()
     assert worst["told"] < 0.1 * worst["not told"]
+
+
+def test_a_task_is_not_exported_to_c(ur5, tmp_path):
+    for controller in (fp.TaskSpace(ur5, DT), fp.Safeguard(fp.TaskSpace(ur5, DT))):
+        with pytest.raises(ArgumentError, match="stays in Python"):
+            fp.export_c(controller, tmp_path)
