@@ -9,11 +9,11 @@ import numpy as np
 
 from fotsmc_pin import checks
 from fotsmc_pin.arms import demand_arm
+from fotsmc_pin.arms.frames import frame_id
 from fotsmc_pin.control.computed_torque import ComputedTorque
 from fotsmc_pin.control.controller import LONGEST_TICK, SHORTEST_TICK, Controller
 from fotsmc_pin.control.robust_fonftsm import RobustFONFTSM
 from fotsmc_pin.control.task_space.directions import Directions
-from fotsmc_pin.control.task_space.frames import frame_id
 from fotsmc_pin.control.task_space.given import cleaned_motion, read_motion
 from fotsmc_pin.control.task_space.memory import TaskMemory
 from fotsmc_pin.control.task_space.tool_body import reach, tool_body
