@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 def carry(X: Array, V: Array, V_ref: Array, A_ref: Array, t: ToolRows) -> None:
     """Write the reference's motion as one of the tool, and the tool's against it.
 
+    With the adjoint of the pose:
+
         V_l = Ad(X)⁻¹ V_ref,   ν = V - V_l,   V̇_l = Ad(X)⁻¹ A_ref - ν × V_l
     """
     carried(X, V_ref, t.led)

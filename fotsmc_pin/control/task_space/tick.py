@@ -198,7 +198,8 @@ def act(
     Returns:
         Largest torque over its limit, before that is kept.
     """
-    x, p, t = named_rows(joints, Joints), named_rows(joints[POINT:], PointRows), named_rows(tool, ToolRows)
+    x, p = named_rows(joints, Joints), named_rows(joints[POINT:], PointRows)
+    t = named_rows(tool, ToolRows)
     m, n = Lambda.shape[0], joints.shape[1]
     Je, L, Y = joints[TASK:OPEN], joints[FACTOR : FACTOR + n], joints[FACTOR + n : FACTOR + 2 * n]
     # Je M⁻¹ (τ_p - h0) = Yᵀ L⁻¹ (τ_p - h0)
