@@ -36,9 +36,9 @@ REPULSION, CALMING = 50.0, 14.0
 CLOSED = 0.25
 """Room over the margin at which the task no longer moves a joint."""
 
-NEAR, CURVATURE = 0.5, 50.0
-"""`σ/c = sin δ` below which a direction has an end in sight; and the length `c` of ways over `σ_0`,
-half of the arm's reach."""
+NEAR, CURVATURE = 10.0, 50.0
+"""Singular value over `σ_0` below which a direction has an end in sight; and the length over `σ_0`
+on which it bends there, half of the arm's reach."""
 
 
 @kernel(is_part=True)
@@ -59,16 +59,15 @@ def open_joints(p: PointRows, m: int, J: Array, J_open: Array) -> None:
 
 @kernel
 def draw_in(
-    J: Array, m: int, scale: Array, threshold: float, is_whole: bool, e: Array, beta: Array,
-    out: Array, work: Array,
+    J: Array, m: int, scale: Array, threshold: float, is_whole: bool, e: Array, out: Array,
+    work: Array,
 ) -> None:  # fmt: skip
     """Write the error of which no more is left in a direction than the arm can still go there.
 
     Towards the end of its reach the tool moves as `x = c cos δ`, with the singular value
     `σ = c sin δ`: what remains is `σ²/2c`. An error of more pulls at a joint that cannot stop in
     time, and swings about the singularity for ever; one of that size brings `δ` to zero without a
-    swing. Far from there, `σ ≥ c/2`, nothing is taken away. Nor is the tool held to an acceleration
-    in such a direction: to go on at its speed, `δ̈ = -δ̇² cot δ`, a joint would rush to the end.
+    swing. Far from there, `σ ≥ 10 σ_0`, nothing is taken away.
 
     Args:
         J: Jacobian of the error, with the shares of the joints (m, nv).
@@ -77,7 +76,6 @@ def draw_in(
         threshold: `σ_0`.
         is_whole: whether no singular value is below `σ_0`.
         e: error (m,).
-        beta: what accelerates it while the joints do not (m,); the same share of it is taken away.
         out: overwritten (m,).
         work: at least (12, 6), overwritten.
     """
@@ -95,19 +93,17 @@ def draw_in(
             G[a, b] = G[b, a] = scale[a] * scale[b] * square
     eigen(G, m, U)
     for i in range(m):
-        along, bend, square = 0.0, 0.0, max(G[i, i], 0.0)
+        far = max(G[i, i], 0.0) / (NEAR * threshold) ** 2
+        if far >= 1.0:
+            continue
+        along, bend = 0.0, 0.0
         for a in range(m):
             along += U[a, i] * scale[a] * e[a]
             bend += U[a, i] ** 2 * (CURVATURE * threshold if scale[a] == 1.0 else scale[a])
-        far = square / (NEAR * bend) ** 2
-        most = square / (2.0 * bend * (1.0 - far)) if far < 1.0 else math.inf
+        most = max(G[i, i], 0.0) / (2.0 * bend * (1.0 - far))
         if abs(along) > most:
-            beyond, bias = 1.0 - most / abs(along), 0.0
             for a in range(m):
-                bias += U[a, i] * scale[a] * beta[a]
-            for a in range(m):
-                out[a] -= beyond * along * U[a, i] / scale[a]
-                beta[a] -= beyond * bias * U[a, i] / scale[a]
+                out[a] -= (along - math.copysign(most, along)) * U[a, i] / scale[a]
 
 
 @kernel(is_part=True)

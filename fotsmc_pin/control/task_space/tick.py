@@ -99,7 +99,7 @@ def see(
     open_joints(p, m, Je, J_open)
     b.kept_t[0] = task_inertia(J_open, L, m, t.scale, b.threshold[0], Y_t, Lambda, s)
     whole = b.kept_t[0] == 1.0
-    draw_in(J_open, m, t.scale, b.threshold[0], whole, t.given_up, t.beta, t.drawn, s)
+    draw_in(J_open, m, t.scale, b.threshold[0], whole, t.given_up, t.drawn, s)
     far = 0.0
     for i in range(m):
         far += (t.scale[i] * t.given_up[i]) ** 2
