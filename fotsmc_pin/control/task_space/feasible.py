@@ -12,7 +12,7 @@ import math
 from typing import TYPE_CHECKING
 
 from fotsmc_pin.compiled import kernel
-from fotsmc_pin.control.task_space.mobility import eigen, to_joints
+from fotsmc_pin.control.task_space.mobility import to_joints
 
 if TYPE_CHECKING:
     from fotsmc_pin.control.task_space.tool_rows import PointRows
@@ -36,10 +36,6 @@ REPULSION, CALMING = 50.0, 14.0
 CLOSED = 0.25
 """Room over the margin at which the task no longer moves a joint."""
 
-NEAR, CURVATURE = 10.0, 50.0
-"""Singular value over `σ_0` below which a direction has an end in sight; and the length over `σ_0`
-on which it bends there, half of the arm's reach."""
-
 
 @kernel(is_part=True)
 def open_joints(p: PointRows, m: int, J: Array, J_open: Array) -> None:
@@ -55,55 +51,6 @@ def open_joints(p: PointRows, m: int, J: Array, J_open: Array) -> None:
         p.open[j] = u * u * (3.0 - 2.0 * u)
         for i in range(m):
             J_open[i, j] = p.open[j] * J[i, j]
-
-
-@kernel
-def draw_in(
-    J: Array, m: int, scale: Array, threshold: float, is_whole: bool, e: Array, out: Array,
-    work: Array,
-) -> None:  # fmt: skip
-    """Write the error of which no more is left in a direction than the arm can still go there.
-
-    Towards the end of its reach the tool moves as `x = c cos δ`, with the singular value
-    `σ = c sin δ`: what remains is `σ²/2c`. An error of more pulls at a joint that cannot stop in
-    time, and swings about the singularity for ever; one of that size brings `δ` to zero without a
-    swing. Far from there, `σ ≥ 10 σ_0`, nothing is taken away.
-
-    Args:
-        J: Jacobian of the error, with the shares of the joints (m, nv).
-        m: number of directions.
-        scale: factors that make each direction a way; those of rotations are their `c` too.
-        threshold: `σ_0`.
-        is_whole: whether no singular value is below `σ_0`.
-        e: error (m,).
-        out: overwritten (m,).
-        work: at least (12, 6), overwritten.
-    """
-    G, U, size = work[:6], work[6:12], 0.0
-    for a in range(m):
-        out[a] = e[a]
-        size += (scale[a] * e[a]) ** 2
-    if is_whole and 2.0 * CURVATURE * math.sqrt(size) <= threshold:
-        return
-    for a in range(m):
-        for b in range(a + 1):
-            square = 0.0
-            for j in range(J.shape[1]):
-                square += J[a, j] * J[b, j]
-            G[a, b] = G[b, a] = scale[a] * scale[b] * square
-    eigen(G, m, U)
-    for i in range(m):
-        far = max(G[i, i], 0.0) / (NEAR * threshold) ** 2
-        if far >= 1.0:
-            continue
-        along, bend = 0.0, 0.0
-        for a in range(m):
-            along += U[a, i] * scale[a] * e[a]
-            bend += U[a, i] ** 2 * (CURVATURE * threshold if scale[a] == 1.0 else scale[a])
-        most = max(G[i, i], 0.0) / (2.0 * bend * (1.0 - far))
-        if abs(along) > most:
-            for a in range(m):
-                out[a] -= (along - math.copysign(most, along)) * U[a, i] / scale[a]
 
 
 @kernel(is_part=True)

@@ -12,13 +12,7 @@ from fotsmc_pin.control.rows import Joints, NoRows, named_rows, rows
 from fotsmc_pin.control.task_space.chain import chain_motion
 from fotsmc_pin.control.task_space.compare import carry, error_rate, rate_of_error, times_jacobian
 from fotsmc_pin.control.task_space.configurations import difference, step
-from fotsmc_pin.control.task_space.feasible import (
-    BRAKING,
-    LIVELIEST,
-    draw_in,
-    lead_point,
-    open_joints,
-)
+from fotsmc_pin.control.task_space.feasible import BRAKING, LIVELIEST, lead_point, open_joints
 from fotsmc_pin.control.task_space.mobility import factor, task_inertia
 from fotsmc_pin.control.task_space.pose_log import error_of
 from fotsmc_pin.control.task_space.tool_rows import (
@@ -98,14 +92,12 @@ def see(
         p.livest[j] = min(BRAKING * x.effort_limit[j] / M0[j, j], LIVELIEST)
     open_joints(p, m, Je, J_open)
     b.kept_t[0] = task_inertia(J_open, L, m, t.scale, b.threshold[0], Y_t, Lambda, s)
-    whole = b.kept_t[0] == 1.0
-    draw_in(J_open, m, t.scale, b.threshold[0], whole, t.given_up, t.drawn, s)
     far = 0.0
     for i in range(m):
         far += (t.scale[i] * t.given_up[i]) ** 2
     lost = (1.0 - b.kept_t[0]) * min(math.sqrt(far) / (FAR * b.threshold[0]), 1.0)
     lead_point(
-        dt, b.rate[0], b.posture_rate[0], m, p, Je, L, Y_t, Lambda, t.drawn, t.e_dot, t.beta,
+        dt, b.rate[0], b.posture_rate[0], m, p, Je, L, Y_t, Lambda, t.given_up, t.e_dot, t.beta,
         t.x, t.f, lost,
     )  # fmt: skip
     for i in range(SIX):

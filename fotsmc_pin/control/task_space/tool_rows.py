@@ -70,7 +70,6 @@ class ToolRows(NamedTuple):
         e_dot: its rate.
         beta: what accelerates the error while the joints do not.
         given_up: error of the point's tool from what is asked.
-        drawn: as much of that as the point is to close.
         error: error of the tool from what is asked.
         scale: factors that make each direction a way.
         x: scratch.
@@ -91,7 +90,6 @@ class ToolRows(NamedTuple):
     e_dot: Array
     beta: Array
     given_up: Array
-    drawn: Array
     error: Array
     scale: Array
     x: Array

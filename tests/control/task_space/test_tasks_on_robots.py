@@ -9,7 +9,7 @@ import fotsmc_pin as fp
 from fotsmc_pin.arms import with_known_friction
 from fotsmc_pin.errors import ArgumentError
 from fotsmc_pin.realtime import MujocoRobot
-from fotsmc_pin.references import LiveTarget, PoseOfJoints, PoseSwing
+from fotsmc_pin.references import PoseOfJoints, PoseSwing
 from tests.robust.safe_stops import Clock
 
 DT = 1e-3
@@ -59,7 +59,7 @@ def test_limits_and_learning_go_around_a_task_together(ur5, swing):
 
 
 def test_a_live_pose_leads_the_tool(ur5):
-    live = LiveTarget(ur5, q0=READY, timeout=np.inf)
+    live = fp.LiveTarget(ur5, q0=READY, timeout=np.inf)
     goal = ur5.tool_pose(READY)
     goal.translation = goal.translation + np.array([0.0, 0.04, 0.02])
     assert live.set_pose(goal) < 1e-5
@@ -73,15 +73,16 @@ def test_a_live_pose_leads_the_tool(ur5):
 
 
 def test_a_run_in_real_time_records_what_the_joints_were_to_do(ur5, swing):
-    guard = fp.Safeguard(fp.TaskSpace(ur5, DT), watchdog=2.0, speed_margin=100.0)
+    guard = fp.Safeguard(fp.TaskSpace(ur5, DT), watchdog=2.0)
     robot = MujocoRobot(ur5, READY, compensates=("gravity",))
     rec = fp.run_realtime(guard, robot, swing, 0.3, stop_time=0.1).recording
+    assert rec.metadata["stopped"] == "the end of the run"
     assert rec.metadata["task"]["frame"] == "tool0"
-    followed = np.flatnonzero(rec.signals["stopping"][:, 0] == 0.0)
-    for k in followed:  # As many as the machine had time for.
-        x, y = rec.signals["pose_f"][k, :3], ur5.tool_pose(rec.q_d[k]).translation
-        np.testing.assert_allclose(x, y, atol=1e-9)
-    np.testing.assert_allclose(rec.q_d[0], READY, atol=1e-9)
+    followed = rec.signals["stopping"][:, 0] == 0.0
+    assert rec.signals["pose_d"].shape == (len(rec), 7)
+    errors = np.abs(rec.q - rec.q_d)[followed]
+    assert errors.max() < 0.05
+    assert np.abs(rec.q_d[followed] - READY).max() > 1e-4
 
 
 def test_friction_that_is_known_is_fed_forward_to_a_task(ur5, swing):
