@@ -16,7 +16,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar, overload
 
 import numba
+from numba import extending
+from numba.core import cgutils, types
 from numba.core.caching import NullCache
+from numba.extending import intrinsic
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -81,6 +84,47 @@ def specialized(function: Function, *examples: Any) -> Function:
         return function
     code: Function = settle(tuple(numba.typeof(value) for value in examples))
     return code
+
+
+def address(function: Callable[..., None], *examples: Any) -> Any:
+    """Return where the machine code of a kernel lies, for `call` inside another one.
+
+    So one kernel can run another that is only known when it runs, such as the law of a task, and
+    both are kept on disk. The kernel returns nothing. With compilation switched off this is the
+    function.
+    """
+    if not hasattr(function, "overloads"):
+        return function
+    specialized(function, *examples)
+    made: Any = function
+    found = made.overloads[tuple(numba.typeof(value) for value in examples)]
+    return int(found.library.get_pointer_to_function(found.fndesc.llvm_func_name))
+
+
+def call(function: Any, dt: float, arguments: tuple[Any, ...]) -> None:
+    """Run the kernel at an `address` with `dt` and a tuple of arrays, which are not checked."""
+    function(dt, *arguments)
+
+
+@intrinsic
+def _called(typing_context, function, dt, arguments):  # type: ignore[no-untyped-def]
+    def generated(context, builder, signature, values):  # type: ignore[no-untyped-def]
+        place, period, packed = values
+        kinds = (signature.args[1], *signature.args[2].types)
+        shape = context.call_conv.get_function_type(types.none, kinds)
+        pointer = builder.inttoptr(place, shape.as_pointer())
+        given = [period, *cgutils.unpack_tuple(builder, packed)]
+        status, _ = context.call_conv.call_function(builder, pointer, types.none, kinds, given)
+        with cgutils.if_unlikely(builder, status.is_error):
+            context.call_conv.return_status_propagate(builder, status)
+        return context.get_dummy_value()
+
+    return types.none(function, dt, arguments), generated
+
+
+@extending.overload(call, inline="always")
+def _compiled_call(function, dt, arguments):  # type: ignore[no-untyped-def]
+    return lambda function, dt, arguments: _called(function, dt, arguments)
 
 
 def restricted(function: Function, *examples: Any) -> Function:

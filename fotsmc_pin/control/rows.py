@@ -73,8 +73,10 @@ def rows(table: Array, gains: type[G], state: type[S], work: type[W]) -> tuple[J
 
 
 def named_rows(table: Array, kind: type[S]) -> S:
-    """Return the rows of any table as the `NamedTuple` `kind`, which has a name for each."""
-    return kind(*table)
+    """Return the first rows of any table as the `NamedTuple` `kind`, which names them."""
+    names: Any = kind
+    named: S = names(*table[: len(names._fields)])
+    return named
 
 
 def new_table(gains: Gains, state: type, work: type, effort_limit: Array) -> Array:

@@ -37,15 +37,22 @@ def export_c(
         The header and the program.
 
     Raises:
-        ArgumentError: what is given, or what it wraps, is no such controller; an arm has a joint of
-            several axes; a learner in single precision; a `Safeguard` has `Limits`, which need
-            Pinocchio's collision models and a solver.
+        ArgumentError: what is given, or what it wraps, is no such controller, or a task; an arm has
+            a joint of several axes; a learner in single precision; a `Safeguard` has `Limits`,
+            which need Pinocchio's collision models and a solver.
         TranslationError: a kernel contains what is not translated; the message names the place.
     """
     inner: Any = controller
     for wrapper in (Safeguard, ModelLearning):
         if isinstance(inner, wrapper):
             inner = inner.controller
+    if getattr(inner, "follows_poses", False):
+        remedy = (
+            "a task stays in Python: its tick needs the kinematics of the arm twice and a search "
+            "for eigenvalues, which are not translated; export the law at the joints, and give it "
+            "what `resolved` says"
+        )
+        raise ArgumentError("controller", inner, remedy)
     if not isinstance(inner, Controller):
         remedy = "give a control law, alone, in a ModelLearning, or either of these in a Safeguard"
         name = controller if inner is controller else f"{type(inner).__name__} inside"

@@ -25,13 +25,13 @@ if TYPE_CHECKING:
 
     from fotsmc_pin.control import Safeguard
     from fotsmc_pin.realtime.robot import Robot
-    from fotsmc_pin.types import Array, Reference
+    from fotsmc_pin.types import Array, PoseReference, Reference
 
 
 def run_realtime(
     controller: Safeguard,
     robot: Robot,
-    reference: Reference,
+    reference: Reference | PoseReference,
     duration: float,
     *,
     stop_time: float = 1.0,
@@ -52,7 +52,7 @@ def run_realtime(
     Args:
         controller: a controller in its `Safeguard`.
         robot: what is read and written.
-        reference: `t -> (q_d, v_d, a_d)`.
+        reference: `t -> (q_d, v_d, a_d)`; `t -> (T, V, A)` where the controller follows poses.
         duration: how long to follow the reference [s].
         stop_time: how long the safe stop is run at the end [s].
         record: a file `.npz` for the recording, which is written as the run goes on:

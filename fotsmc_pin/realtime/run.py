@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from fotsmc_pin.realtime.robot import Robot
     from fotsmc_pin.realtime.timing import Timing
     from fotsmc_pin.simulation import Recording
-    from fotsmc_pin.types import Array, Reference
+    from fotsmc_pin.types import Array, PoseReference, Reference
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,7 +52,7 @@ class RunRecorder:
         self,
         controller: Safeguard,
         robot: Robot,
-        reference: Reference,
+        reference: Reference | PoseReference,
         duration: float,
         *,
         size: int,
@@ -62,6 +62,7 @@ class RunRecorder:
         self._controller, self._path = controller, None if path is None else Path(path)
         arm = self._arm = controller.arm
         self._read_torque = getattr(robot, "read_torque", None)
+        self._resolved = controller.resolved
         live = controller.live_signals
         names = tuple(name for name in controller.signals if is_flat(live.get(name)))
         self._live = tuple(live[name] for name in names)
@@ -87,15 +88,17 @@ class RunRecorder:
         self._reason: str | None = None
 
     def write_row(
-        self, t: float, period: float, q: Any, v: Any, target: tuple[Array, ...], tau: Array
+        self, t: float, period: float, q: Any, v: Any, target: tuple[Any, ...], tau: Array
     ) -> None:
         """Write the row of a tick that was just sent.
 
+        A controller that follows poses has resolved them to what the joints are to do.
         A torque that is measured now is that of the row before, whose torque acted until now.
         """
         controller, journal, k = self._controller, self._journal, self._journal.filled
         self._head[:] = t, period, controller.stopped is not None
-        parts = [self._head, q, v, *target[:2], tau, controller.sent]
+        wanted = target[:2] if self._resolved is None else self._resolved
+        parts = [self._head, q, v, *wanted, tau, controller.sent]
         if self._read_torque is not None:
             felt = self._read_torque()
             parts.append(felt)

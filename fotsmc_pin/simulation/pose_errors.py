@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pinocchio as pin
 
-from fotsmc_pin.control.task_space.frames import frame_id
+from fotsmc_pin.arms.frames import frame_id
 from fotsmc_pin.errors import ArgumentError
 
 if TYPE_CHECKING:

@@ -9,12 +9,13 @@ this point has the tool; what lies between the two is what was given up.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from fotsmc_pin.compiled import kernel
 from fotsmc_pin.control.task_space.mobility import to_joints
 
 if TYPE_CHECKING:
+    from fotsmc_pin.control.task_space.tool_rows import PointRows
     from fotsmc_pin.types import Array
 
 APPROACH = 0.5
@@ -34,44 +35,6 @@ REPULSION, CALMING = 50.0, 14.0
 """Acceleration per room that is missing [1/s²], and damping of a joint that has none left [1/s]."""
 CLOSED = 0.25
 """Room over the margin at which the task no longer moves a joint."""
-
-
-class PointRows(NamedTuple):
-    """Rows (nv,) of the point that leads.
-
-    Attributes:
-        v: its speed [rad/s].
-        a: its acceleration [rad/s²].
-        last_a: that of the last tick [rad/s²].
-        move: what it moves in this tick [rad].
-        away: how far it is from the posture that is wanted [rad].
-        livest: acceleration that an approach may ask for [rad/s²].
-        fastest: velocity limit [rad/s].
-        lower: lowest position [rad].
-        upper: highest position [rad].
-        rising: speed that it takes on to close what is open [rad/s].
-        asked: scratch, then the speed that it takes on.
-        free: scratch.
-        open: share by which the task moves a joint: 1, falling to 0 before its end.
-        moves: 1 for the joints that move the tool, 0 for others.
-        position: of each joint; 0 where it turns without end [rad].
-    """
-
-    v: Array
-    a: Array
-    last_a: Array
-    move: Array
-    away: Array
-    livest: Array
-    fastest: Array
-    lower: Array
-    upper: Array
-    rising: Array
-    asked: Array
-    free: Array
-    open: Array
-    moves: Array
-    position: Array
 
 
 @kernel(is_part=True)

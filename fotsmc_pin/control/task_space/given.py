@@ -13,7 +13,7 @@ from fotsmc_pin.compiled import kernel
 from fotsmc_pin.control.arguments import LARGEST
 from fotsmc_pin.control.functions import clip
 from fotsmc_pin.control.rows import Joints, named_rows
-from fotsmc_pin.control.task_space.tool_rows import ToolRows
+from fotsmc_pin.control.task_space.tool_rows import POINT, PointRows, ToolRows
 from fotsmc_pin.errors import ArgumentError, MeasurementError
 
 if TYPE_CHECKING:
@@ -77,11 +77,13 @@ def read_motion(
     q: Array, v: Array, T: Array, V: Array, A: Array,
     configurations: Array, joints: Array, tool: Array, poses: Array,
 ) -> bool:  # fmt: skip
-    """Copy the arguments of a tick, each number kept below `LARGEST`.
+    """Copy the arguments of a tick, each number kept below `LARGEST`, and the point's speed.
 
+    The speed is `v_d` of the joints, at which friction that is known is fed forward.
     Returns whether every array has its shape, every number is finite, and the rotation is one.
     """
     t, x = named_rows(tool, ToolRows), named_rows(joints, Joints)
+    p = named_rows(joints[POINT:], PointRows)
     nq, nv = configurations.shape[1], joints.shape[1]
     if not (q.shape == (nq,) and v.shape == (nv,) and V.shape == A.shape == (6,)):
         return False
@@ -110,7 +112,7 @@ def read_motion(
     for k in range(nq):
         configurations[0, k] = clip(q[k], LARGEST)
     for k in range(nv):
-        x.v[k] = clip(v[k], LARGEST)
+        x.v[k], x.v_d[k] = clip(v[k], LARGEST), p.v[k]
     for k in range(6):
         t.V_d[k], t.A_d[k] = clip(V[k], LARGEST), clip(A[k], LARGEST)
     for i in range(3):

@@ -8,17 +8,26 @@ import numpy as np
 import pinocchio as pin
 
 from fotsmc_pin import checks
-from fotsmc_pin.compiled import restricted, specialized
+from fotsmc_pin.compiled import address, restricted, specialized
 from fotsmc_pin.control.friction_terms import are_own, terms_of
 from fotsmc_pin.control.model_terms import ModelTerms
 from fotsmc_pin.control.rows import Joints, named_rows
 from fotsmc_pin.control.saved_state import part, present, with_prefix
+from fotsmc_pin.control.task_space.chain import chain_of
 from fotsmc_pin.control.task_space.configurations import places_in_q
-from fotsmc_pin.control.task_space.feasible import PointRows
-from fotsmc_pin.control.task_space.frames import joints_that_move, mount_of
 from fotsmc_pin.control.task_space.given import read_motion
-from fotsmc_pin.control.task_space.tick import act, see
-from fotsmc_pin.control.task_space.tool_rows import Numbers, ToolRows
+from fotsmc_pin.control.task_space.tick import act, felt_at_tool, tick
+from fotsmc_pin.control.task_space.tool_rows import (
+    FACTOR,
+    NUMBERS,
+    POINT,
+    ROOM,
+    SCRATCH,
+    Numbers,
+    PointRows,
+    ToolRows,
+    rows_of_joints,
+)
 from fotsmc_pin.copying import SharesNothing
 
 if TYPE_CHECKING:
@@ -35,11 +44,11 @@ CLOSING, PER_TICK = 40.0, 0.05
 """Rate at which the feasible reference closes its error [1/s], and the most of it in a tick."""
 POSTURE_RATE = 3.0
 """Rate at which the feasible reference goes back to its posture [1/s]."""
-MEMORY = ("_joints", "_point", "_tool", "_numbers", "_configurations", "_poses")
+MEMORY = ("_joints", "_tool", "_configurations", "_poses")
 """Arrays that live on from tick to tick."""
 LINKED = {
-    *("_terms", "_data", "_data_t", "_arguments", "_see", "_acting", "_act", "_signals", "_now"),
-    *("_posture_acting", "_kept", "q", "joints", "_n", "_p"),
+    *("_terms", "_memory", "_arguments", "_tick", "_acting", "_act", "_signals", "_kept"),
+    *("q", "joints", "_n", "_p", "_t"),
 }
 """What only refers to the arrays; no copy takes it along."""
 
@@ -85,12 +94,11 @@ class TaskMemory(SharesNothing):
 
     def _allocate(self) -> None:
         m, n = len(self.directions), self.arm.nv
-        self._joints = np.zeros((len(Joints._fields), n))
-        self._point = np.zeros((len(PointRows._fields), n))
-        self._tool = np.zeros((len(ToolRows._fields), 6))
-        self._numbers = np.zeros((len(Numbers._fields), 1))
+        self._chain, rigid = chain_of(self.arm, self._frame)
+        self._joints = np.zeros((rows_of_joints(n), n))
+        self._tool = np.zeros((SCRATCH + ROOM, 6))
         self._configurations = np.zeros((4, self.arm.nq))
-        self._poses = np.zeros((5, 4, 3))
+        self._poses = np.vstack([np.zeros((4, 4, 3)), rigid])
         self._quaternions = np.zeros((3, 7))
         self._mobility, self._drift = np.zeros((m, m)), np.zeros(m)
 
@@ -122,10 +130,11 @@ class TaskMemory(SharesNothing):
         """
         more = tau - friction - self.joints.tau
         if more.any():
-            *_, L, Ys, Lambda = self._now
-            force = Lambda @ (Ys[1].T @ np.linalg.solve(np.tril(L), more))
-            self.law.joints.tau[:] += force
+            m, n = len(self.directions), self.arm.nv
+            L, Y = self._joints[FACTOR : FACTOR + n], self._joints[FACTOR + n : FACTOR + 2 * n]
             self.joints.tau[:] += more
+            felt_at_tool(more, L, Y, m, self._t.f)
+            self.law.joints.tau[:] += self._mobility @ self._t.f[:m]
 
     def feed_friction(self, wanted: bool) -> None:
         """Feed friction that is known forward, or leave it to drives that compensate it."""
@@ -137,8 +146,8 @@ class TaskMemory(SharesNothing):
         """Forget everything: the next tick starts where the arm is then."""
         self.law.reset()
         self.posture_law.reset()
-        for name in MEMORY:
-            getattr(self, name)[:] = 0.0
+        self._joints[:], self._tool[:], self._configurations[:] = 0.0, 0.0, 0.0
+        self._poses[:4] = 0.0
         self._largest = 0.0
         self._set_constants()
 
@@ -217,10 +226,7 @@ class TaskMemory(SharesNothing):
         self.joints.effort_limit[:] = arm.effort_limit
         p.fastest[:] = arm.velocity_limit
         p.lower[:], p.upper[:] = arm.lower_position_limit, arm.upper_position_limit
-        p.moves[:] = joints_that_move(arm, self._frame)
-        self._poses[4] = mount_of(arm, self._frame)
-        m = len(self.directions)
-        named_rows(self._tool, ToolRows).scale[:m] = self.directions.scale(self.length)
+        self._t.scale[: len(self.directions)] = self.directions.scale(self.length)
         self.law.joints.effort_limit[:] = np.inf
 
     def _link(self) -> None:
@@ -228,64 +234,51 @@ class TaskMemory(SharesNothing):
         m = len(self.directions)
         self.q = self._configurations[0]
         self.joints = named_rows(self._joints, Joints)
-        self._p, self._n = named_rows(self._point, PointRows), named_rows(self._numbers, Numbers)
-        self._data, self._data_t = self.arm.model.createData(), self.arm.model.createData()
-        tool = named_rows(self._tool, ToolRows)
-        first = Numbers._fields.index("kept")
-        kept = self._numbers[first : first + 2, 0]
+        self._p = named_rows(self._joints[POINT:], PointRows)
+        self._t = named_rows(self._tool, ToolRows)
+        self._n = named_rows(self._tool[NUMBERS:], Numbers)
+        first = NUMBERS + Numbers._fields.index("kept")
+        kept = self._tool[first : first + 2, 0]
         self._signals = {
             "pose": self._quaternions[0],
             "pose_d": self._quaternions[1],
             "pose_f": self._quaternions[2],
-            "pose_error": tool.error[:m],
-            "given_up": tool.given_up[:m],
+            "pose_error": self._t.error[:m],
+            "given_up": self._t.given_up[:m],
             "kept": kept,
         }
         six, pose = np.zeros(6), pin.SE3.Identity().homogeneous
-        memory = (self._configurations, self._joints, self._tool, self._poses)
-        restricted(read_motion, self.q, self.joints.v, pose, six, six, *memory)
+        self._memory = (self._configurations, self._joints, self._tool, self._poses)
+        restricted(read_motion, self.q, self.joints.v, pose, six, six, *self._memory)
         self.law.use_terms(TaskTerms(self._mobility, self._drift))
         self._signals = {**self.law.live_signals, **self._signals}
         self.use_terms(terms_of(self.arm, feeds_friction=self._feeds_friction))
 
     def _link_kernels(self) -> None:
-        m, n = len(self.directions), self.arm.nv
         terms, law = self._terms, self.law
-        Js, L, Ys = np.zeros((4, 6, n)), np.zeros((n, n)), np.zeros((2, n, m))
-        seats = []
-        joint = self.arm.model.frames[self._frame].parentJoint
-        for data in (self._data, self._data_t):
-            seats += [data.oMi[joint].rotation, data.oMi[joint].translation, data.J, data.dJ]
-        table = law.joints.e.base
+        self.posture_law.use_terms(TaskTerms(terms.M, terms.h))
+        laws: list[Any] = []
+        for acting in (law, self.posture_law):
+            own = acting.compiled[1]
+            laws += [address(acting.tick, self.dt, *own), own]
         self._arguments = (
-            *seats,
-            terms.M,
+            *laws,
+            self._joints,
+            self._tool,
             self._configurations,
+            self._poses,
+            self._quaternions,
+            self._chain,
             places_in_q(self.arm),
             self.directions.code,
-            self._joints,
-            self._point,
-            self._tool,
-            self._numbers,
-            self._poses,
-            Js,
-            L,
-            Ys,
-            np.zeros((7, 6, 6)),
-            np.zeros((24, 6)),
-            self._quaternions,
-            self.posture_law.joints.e.base,
-            table,
-            self._mobility,
-            self._drift,
         )
-        self._see = specialized(see, self.dt, *self._arguments)
-        self._now = (
-            terms.h, self._joints, self._point, self._tool, Js, L, Ys, self._mobility,
-        )  # fmt: skip
-        self._act = specialized(act, law.joints.tau, terms.h, *self._now)
+        self._tick = specialized(tick, self.dt, *self._arguments)
         self._acting = law.compiled
-        self.posture_law.use_terms(TaskTerms(terms.M, terms.h))
-        self._posture_acting = self.posture_law.compiled
-        memory = (table, *(stream.memory for stream in law.memories.values()))
+        self._act = specialized(act, law.joints.tau, terms.h, *self._last)
+        memory = (law.joints.e.base, *(stream.memory for stream in law.memories.values()))
         self._kept = [(now, now.copy()) for now in memory]
+
+    @property
+    def _last(self) -> tuple[Array, ...]:
+        """What `act` takes after the two torques."""
+        return self._terms.h, self._joints, self._tool, self._mobility

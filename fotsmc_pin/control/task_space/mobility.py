@@ -23,35 +23,53 @@ NEAR = 0.01
 """Square of a singular value, over its threshold, below which its mobility is not told by it."""
 
 
-@kernel(is_part=True)
+@kernel
 def factor(A: Array, n: int, L: Array) -> None:
-    """Write the Cholesky factor of the leading (n, n) of `A` into the lower half of `L`."""
+    """Write the Cholesky factor of the leading (n, n) of `A` into the lower half of `L`.
+
+    On its diagonal stand the reciprocals, so that whoever uses it divides by nothing.
+    """
     largest = 0.0
     for j in range(n):
         largest = max(largest, A[j, j])
+    least = SMALLEST * largest + 1e-300
     for j in range(n):
         pivot = A[j, j]
         for k in range(j):
             pivot -= L[j, k] * L[j, k]
-        root = math.sqrt(max(pivot, SMALLEST * largest + 1e-300))
-        L[j, j] = root
+        reciprocal = 1.0 / math.sqrt(max(pivot, least))
+        L[j, j] = reciprocal
         for i in range(j + 1, n):
             entry = A[i, j]
             for k in range(j):
                 entry -= L[i, k] * L[j, k]
-            L[i, j] = entry / root
+            L[i, j] = entry * reciprocal
 
 
-@kernel(is_part=True)
+@kernel
 def invert_factor(L: Array, n: int, out: Array) -> None:
-    """Write `L⁻¹` of a lower triangle into the lower half of `out` (n, n)."""
+    """Write `L⁻¹` of what `factor` wrote into the lower half of `out` (n, n)."""
     for c in range(n):
-        out[c, c] = 1.0 / L[c, c]
+        out[c, c] = L[c, c]
         for i in range(c + 1, n):
             entry = 0.0
             for k in range(c, i):
                 entry -= L[i, k] * out[k, c]
-            out[i, c] = entry / L[i, i]
+            out[i, c] = entry * L[i, i]
+
+
+@kernel
+def solve_factor(L: Array, J: Array, m: int, Y: Array) -> None:
+    """Write `Y = L⁻¹ Jᵀ` into the first `m` columns of `Y`, of the first `m` rows of `J`."""
+    for i in range(L.shape[0]):
+        for c in range(m):
+            Y[i, c] = J[c, i]
+        for k in range(i):
+            share = L[i, k]
+            for c in range(m):
+                Y[i, c] -= share * Y[k, c]
+        for c in range(m):
+            Y[i, c] *= L[i, i]
 
 
 @kernel
@@ -117,26 +135,21 @@ def task_inertia(
     implies.
 
     Args:
-        J: Jacobian of the directions (m, nv).
-        L: Cholesky factor of the mass matrix (nv, nv).
+        J: Jacobian of the directions, its first `m` rows (m, nv).
+        L: Cholesky factor of the mass matrix, as `factor` writes it (nv, nv).
         m: number of directions.
         scale: diagonal of `S` (m,).
         threshold: `σ_0` [m].
-        Y: (nv, m), overwritten.
+        Y: its first `m` columns are overwritten (nv, nv).
         Lambda: (m, m), overwritten.
-        work: at least (5, 6, 6), overwritten.
+        work: at least (30, 6), overwritten.
 
     Returns:
         The smallest share of a direction that is kept.
     """
     n = L.shape[0]
-    A, G, F, inverse, U = work[0], work[1], work[2], work[3], work[4]
-    for c in range(m):
-        for i in range(n):
-            entry = J[c, i]
-            for k in range(i):
-                entry -= L[i, k] * Y[k, c]
-            Y[i, c] = entry / L[i, i]
+    A, G, F, inverse, U = work[:6], work[6:12], work[12:18], work[18:24], work[24:30]
+    solve_factor(L, J, m, Y)
     for a in range(m):
         for b in range(a + 1):
             mobility, square = 0.0, 0.0
@@ -189,7 +202,7 @@ def task_inertia(
 
 @kernel(is_part=True)
 def to_joints(L: Array, Y: Array, Lambda: Array, m: int, x: Array, out: Array, f: Array) -> None:
-    """Write `J̄ x = L⁻ᵀ Y Λ x` (nv,); `f` (m,) is scratch and becomes `Λ x`."""
+    """Write `J̄ x = L⁻ᵀ Y Λ x` (nv,); `f` becomes `Λ x` (m,)."""
     n = L.shape[0]
     for a in range(m):
         f[a] = 0.0
@@ -201,4 +214,4 @@ def to_joints(L: Array, Y: Array, Lambda: Array, m: int, x: Array, out: Array, f
             entry += Y[i, a] * f[a]
         for k in range(i + 1, n):
             entry -= L[k, i] * out[k]
-        out[i] = entry / L[i, i]
+        out[i] = entry * L[i, i]

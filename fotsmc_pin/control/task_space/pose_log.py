@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 SMALL = 1e-3
 """Angle below which series stand in for quotients [rad]; their next term is below 1e-15."""
+NEARLY_NONE = 3.0 - 0.03**2
+"""Trace of a rotation from which on its angle, 0.03 rad at most, is had from its sine."""
 NEARBY = 0.02
 """Error below which the derivative of `E` is that of its series [m, rad]."""
 PROBE = 1e-5
@@ -36,6 +38,15 @@ def cross(a: Array, b: Array, out: Array) -> None:
 
 
 @kernel
+def twist_product(a: Array, b: Array, out: Array) -> None:
+    """Write the cross product of two twists, `(a_ω × b_v + a_v × b_ω, a_ω × b_ω)` (6,)."""
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        out[i] = a[3 + j] * b[k] - a[3 + k] * b[j] + a[j] * b[3 + k] - a[k] * b[3 + j]
+        out[3 + i] = a[3 + j] * b[3 + k] - a[3 + k] * b[3 + j]
+
+
+@kernel
 def rotation_log(R: Array, w: Array) -> None:
     """Write the rotation vector of `R` (3, 3) into `w` (3,), right from 0 to π [rad].
 
@@ -43,6 +54,17 @@ def rotation_log(R: Array, w: Array) -> None:
     conditioned, neither at 0 nor at π.
     """
     trace = R[0, 0] + R[1, 1] + R[2, 2]
+    if trace > NEARLY_NONE:
+        # ω = (θ / sin θ) · half of what is odd in R: arcsin's series in sin² θ
+        square = 0.0
+        for i in range(3):
+            j, k = (i + 1) % 3, (i + 2) % 3
+            w[i] = 0.5 * (R[k, j] - R[j, k])
+            square += w[i] * w[i]
+        factor = 1.0 + square * (1.0 / 6.0 + square * (3.0 / 40.0 + square * 15.0 / 336.0))
+        for i in range(3):
+            w[i] *= factor
+        return
     big = 3
     for i in range(3):
         if R[i, i] > (trace if big == 3 else R[big, big]):
@@ -226,31 +248,26 @@ def moved(R: Array, x: Array, nu: Array, step: float, R_out: Array, x_out: Array
 
 
 @kernel
-def add_adjoint(a: Array, factor: float, out: Array) -> None:
-    """Add `factor · ad(a)` (6, 6) of a twist, `ad(a) b = a × b`."""
-    for i in range(3):
-        j, k = (i + 1) % 3, (i + 2) % 3
-        for row, column, part in ((0, 0, 3), (3, 3, 3), (0, 3, 0)):
-            out[row + j, column + k] -= factor * a[part + i]
-            out[row + k, column + j] += factor * a[part + i]
+def small_rate_of_rate(e: Array, e_dot: Array, x: Array, out: Array, s: Array) -> None:
+    """Write `Ė x` of a small error of all directions, for a twist `x` (6,).
 
+    With `ad(a) b = a × b` it is `½ ad(ė) x + (ad(ė) ad(e) + ad(e) ad(ė)) x / 12`, the derivative of
+    `E = 1 + ½ ad(e) + ad(e)²/12 - …`, whose next term is of fourth order.
 
-@kernel
-def small_rate_of_rate(e: Array, e_dot: Array, out: Array, s: Array) -> None:
-    """Write `Ė = ½ ad(ė) + (ad(ė) ad(e) + ad(e) ad(ė)) / 12` of a small error of all directions.
-
-    It is the derivative of `E = 1 + ½ ad(e) + ad(e)²/12 - …`, whose next term is of fourth order.
+    Args:
+        e: the error (6,).
+        e_dot: its rate (6,).
+        x: the twist (6,).
+        out: (6,), overwritten.
+        s: scratch, at least (3, 6), overwritten.
     """
-    A, B = s[:6], s[6:12]
-    A[:], B[:], out[:] = 0.0, 0.0, 0.0
-    add_adjoint(e, 1.0, A)
-    add_adjoint(e_dot, 1.0, B)
+    across, first, second = s[0], s[1], s[2]
+    twist_product(e_dot, x, across)
+    twist_product(e, x, out)
+    twist_product(e_dot, out, first)
+    twist_product(e, across, second)
     for i in range(6):
-        for j in range(6):
-            entry = 0.0
-            for k in range(6):
-                entry += B[i, k] * A[k, j] + A[i, k] * B[k, j]
-            out[i, j] = 0.5 * B[i, j] + entry / 12.0
+        out[i] = 0.5 * across[i] + (first[i] + second[i]) / 12.0
 
 
 @kernel

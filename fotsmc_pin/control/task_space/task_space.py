@@ -6,26 +6,24 @@ import copy
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pinocchio as pin
 
 from fotsmc_pin import checks
 from fotsmc_pin.arms import demand_arm
+from fotsmc_pin.arms.frames import frame_id
 from fotsmc_pin.control.computed_torque import ComputedTorque
 from fotsmc_pin.control.controller import LONGEST_TICK, SHORTEST_TICK, Controller
 from fotsmc_pin.control.robust_fonftsm import RobustFONFTSM
-from fotsmc_pin.control.rows import named_rows
 from fotsmc_pin.control.task_space.directions import Directions
-from fotsmc_pin.control.task_space.frames import frame_id
 from fotsmc_pin.control.task_space.given import cleaned_motion, read_motion
 from fotsmc_pin.control.task_space.memory import TaskMemory
 from fotsmc_pin.control.task_space.tool_body import reach, tool_body
-from fotsmc_pin.control.task_space.tool_rows import ToolRows
 from fotsmc_pin.errors import ArgumentError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
     from typing import TypeAlias
 
+    import pinocchio as pin
     from numpy.typing import ArrayLike
 
     from fotsmc_pin.arms import Arm
@@ -36,7 +34,7 @@ if TYPE_CHECKING:
 LENGTH, THRESHOLD = 0.1, 0.01
 """Way that a radian counts as, and singular value below which a direction is given up, both over
 the arm's reach."""
-SNAPSHOT = 0.5
+SNAPSHOT = 0.8
 """Share of an effort limit from which the law's memory is kept, in case the limit cuts in."""
 
 
@@ -167,13 +165,12 @@ class TaskSpace(TaskMemory):
             MeasurementError: an argument has the wrong shape or is not finite. The memory is as it
                 was, and the next good tick goes on from there.
         """
-        memory = (self._configurations, self._joints, self._tool, self._poses)
         try:
-            are_read = read_motion(q, v, T.homogeneous, V, A, *memory)  # type: ignore[union-attr, arg-type]
+            are_read = read_motion(q, v, T.homogeneous, V, A, *self._memory)  # type: ignore[union-attr, arg-type]
         except (AttributeError, TypeError):  # not an SE3 and plain arrays of floats
             are_read = False
         if not are_read:
-            read_motion(*cleaned_motion(self.arm, q, v, T, V, A), *memory)  # type: ignore[call-arg]
+            read_motion(*cleaned_motion(self.arm, q, v, T, V, A), *self._memory)  # type: ignore[call-arg]
         if dt is None:
             dt = self.dt
         else:
@@ -181,27 +178,15 @@ class TaskSpace(TaskMemory):
             dt = checks.finite_number("dt", dt, at_least=shortest, at_most=longest)
         if not self._n.begun[0]:
             self._begin()
-        model, joints = self.arm.model, self.joints
+        joints = self.joints
         self._terms.evaluate(self.q, joints)
-        pin.computeJointJacobiansTimeVariation(model, self._data, self.q, joints.v)
-        pin.computeJointJacobiansTimeVariation(
-            model, self._data_t, self._configurations[1], self._p.v
-        )
-        near = self._see(dt, *self._arguments)
-        posture = self._terms.h
-        if near:
-            code, arguments = self._posture_acting
-            code(dt, *arguments)
-            posture = self.posture_law.joints.tau
         close = self._largest > SNAPSHOT
         if close:
             for now, kept in self._kept:
                 kept[:] = now
-        code, arguments = self._acting
-        code(dt, *arguments)
-        self._largest = self._act(self.law.joints.tau, posture, *self._now)
+        self._largest = self._tick(dt, *self._arguments)
         if self._largest > 1.0 and close:
-            self._act_within_limits(dt, posture)
+            self._act_within_limits(dt)
         tau: Array = joints.tau.copy()
         return tau
 
@@ -219,12 +204,9 @@ class TaskSpace(TaskMemory):
         q_p[:] = q if self._posture is None else self._posture
         self._p.v[:] = self.joints.v
 
-    def _act_within_limits(self, dt: float, posture: Array) -> None:
+    def _act_within_limits(self, dt: float) -> None:
         """Let the law act once more, told what force the torque limits leave, for its memory."""
-        force, left = (
-            self.law.joints.tau,
-            named_rows(self._tool, ToolRows).x[: len(self.directions)],
-        )
+        force, left = self.law.joints.tau, self._t.x[: len(self.directions)]
         limits = np.where(np.abs(left) < np.abs(force), np.abs(left), np.inf)
         for now, kept in self._kept:
             now[:] = kept
@@ -233,4 +215,6 @@ class TaskSpace(TaskMemory):
         code, arguments = self._acting
         code(dt, *arguments)
         effort_limit[:] = np.inf
-        self._act(self.law.joints.tau, posture, *self._now)
+        has_say = self.arm.nv > len(self.directions) or self._n.kept[0] < 1.0
+        posture = self.posture_law.joints.tau if has_say else self._terms.h
+        self._act(force, posture, *self._last)

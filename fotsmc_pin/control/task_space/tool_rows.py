@@ -1,11 +1,55 @@
-"""Names for the numbers of a task that are not joints'."""
+"""Names for the numbers of a task: one table as wide as the arm, and one as a twist.
+
+Each array that crosses into a kernel costs time, so that all numbers of the joints, matrices
+included, are rows of one table (rows, nv), and all others of another (rows, 6). The first holds
+`Joints`, `PointRows` of `feasible` and the matrices; the second `ToolRows`, `Numbers`, which have a
+row each, and scratch.
+"""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
+from fotsmc_pin.control.rows import Joints
+
 if TYPE_CHECKING:
     from fotsmc_pin.types import Array
+
+
+class PointRows(NamedTuple):
+    """Rows (nv,) of the point that leads.
+
+    Attributes:
+        v: its speed [rad/s].
+        a: its acceleration [rad/s²].
+        last_a: that of the last tick [rad/s²].
+        move: what it moves in this tick [rad].
+        away: how far it is from the posture that is wanted [rad].
+        livest: acceleration that an approach may ask for [rad/s²].
+        fastest: velocity limit [rad/s].
+        lower: lowest position [rad].
+        upper: highest position [rad].
+        rising: speed that it takes on to close what is open [rad/s].
+        asked: scratch, then the speed that it takes on.
+        free: scratch.
+        open: share by which the task moves a joint: 1, falling to 0 before its end.
+        position: of each joint; 0 where it turns without end [rad].
+    """
+
+    v: Array
+    a: Array
+    last_a: Array
+    move: Array
+    away: Array
+    livest: Array
+    fastest: Array
+    lower: Array
+    upper: Array
+    rising: Array
+    asked: Array
+    free: Array
+    open: Array
+    position: Array
 
 
 class ToolRows(NamedTuple):
@@ -70,3 +114,30 @@ class Numbers(NamedTuple):
     kept: Array
     kept_t: Array
     begun: Array
+
+
+SIX = 6
+"""Directions of a pose."""
+POINT = len(Joints._fields)
+"""First row of the point in the table of the joints."""
+JACOBIAN = POINT + len(PointRows._fields)
+"""First row of the tool's Jacobian there."""
+JACOBIAN_T = JACOBIAN + SIX
+"""First row of that of the point's tool."""
+TASK = JACOBIAN_T + SIX
+"""First row of `Je`, the Jacobian of the error."""
+OPEN = TASK + SIX
+"""First row of the same with the shares of `open_joints`."""
+FACTOR = OPEN + SIX
+"""First row of `L`, followed by `Y` and `Y_t`, (nv, nv) each."""
+NUMBERS = len(ToolRows._fields)
+"""First row of the numbers in the table of the tool."""
+SCRATCH = NUMBERS + len(Numbers._fields)
+"""First row of the scratch there."""
+ROOM = 7 * SIX
+"""Rows of scratch."""
+
+
+def rows_of_joints(nv: int) -> int:
+    """Return how many rows the table of the joints has."""
+    return FACTOR + 3 * nv

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from fotsmc_pin.arms import demand_arm
-from fotsmc_pin.checks import choice
+from fotsmc_pin.arms.frames import frame_id
 from fotsmc_pin.references.poses.inverse import Kinematics
 
 if TYPE_CHECKING:
@@ -42,10 +42,9 @@ class PoseOfJoints:
         """
         demand_arm(arm)
         self.arm, self.reference = arm, reference
-        names = [found.name for found in arm.model.frames]
-        self.frame = choice("frame", frame or arm.tool_frame, names)
+        index = frame_id(arm, frame)
+        self.frame = str(arm.model.frames[index].name)
         self.is_live = bool(getattr(reference, "is_live", False))
-        index = arm.model.getFrameId(self.frame) if frame else arm.tool_frame_id
         self._kinematics = Kinematics(arm, index)
 
     @property

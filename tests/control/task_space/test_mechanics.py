@@ -5,7 +5,9 @@ import pinocchio as pin
 import pytest
 
 import fotsmc_pin as fp
-from fotsmc_pin.control.task_space.mobility import eigen, task_inertia
+from fotsmc_pin.control.task_space.chain import chain_motion, chain_of
+from fotsmc_pin.control.task_space.mobility import eigen, factor, task_inertia
+from fotsmc_pin.control.task_space.tool_rows import JACOBIAN, JACOBIAN_T, TASK
 from fotsmc_pin.references import PoseSwing
 
 DT = 1e-3
@@ -52,7 +54,8 @@ def test_the_law_is_told_how_the_error_moves(arm, directions):
             continue
         tested += 1
         e_dot, a_d, a_f = seen.e_dot.copy(), seen.a_d.copy(), ctl._p.a.copy()
-        Lambda, drift, Je = ctl._mobility.copy(), ctl._drift.copy(), ctl._now[4][2, :m].copy()
+        Lambda, drift = ctl._mobility.copy(), ctl._drift.copy()
+        Je = ctl._joints[TASK : TASK + m].copy()
         F = rng.normal(size=m)
         tau = Je.T @ F + arm.inverse_dynamics(q, v, np.zeros(n))
         a = arm.forward_dynamics(q, v, tau)
@@ -86,9 +89,9 @@ def test_posture_does_not_accelerate_the_tool(seven):
         ctl.joints.effort_limit[:] = np.inf
         accelerations = []
         for push in (0.0, 30.0):
-            ctl._act(force, h + push * rng.normal(size=7), *ctl._now)
+            ctl._act(force, h + push * rng.normal(size=7), *ctl._last)
             a = seven.forward_dynamics(q, v, ctl.joints.tau)
-            accelerations.append(ctl._now[4][0] @ a)
+            accelerations.append(ctl._joints[JACOBIAN:JACOBIAN_T] @ a)
         assert np.abs(accelerations[1] - accelerations[0]).max() < 1e-8
         ctl._set_constants()
 
@@ -121,6 +124,31 @@ def test_nothing_changes_in_another_frame_of_the_world(seven, tmp_path):
         q, v = seven.integrate(q, DT * v), v + DT * 0.1 * rng.normal(size=7)
 
 
+@pytest.mark.parametrize("name", ["panda", "kinova", "sliding"])
+def test_the_chain_moves_as_pinocchio_says(name, tmp_path, seven):
+    if name == "sliding":
+        path = tmp_path / "sliding.urdf"
+        path.write_text(seven.urdf.replace('type="revolute"', 'type="prismatic"', 2))
+        arm = fp.load_arm(path)
+    else:
+        arm = fp.load_arm(name)
+    frame, rng = arm.tool_frame_id, np.random.default_rng(7)
+    data, local = arm.model.createData(), pin.ReferenceFrame.LOCAL
+    pose, J, twist, bias = np.zeros((4, 3)), np.zeros((6, arm.nv)), np.zeros(6), np.zeros(6)
+    for _ in range(10):
+        q, v = arm.random_configuration(rng), rng.normal(size=arm.nv)
+        chain_motion(*chain_of(arm, frame), q, v, pose, J, twist, bias)
+        expected = pin.computeFrameJacobian(arm.model, data, q, frame, local)
+        np.testing.assert_allclose(J, expected, atol=1e-12)
+        pin.forwardKinematics(arm.model, data, q, v, np.zeros(arm.nv))
+        place = pin.updateFramePlacement(arm.model, data, frame)
+        drift = pin.getFrameAcceleration(arm.model, data, frame, local).vector
+        np.testing.assert_allclose(pose[:3], place.rotation, atol=1e-12)
+        np.testing.assert_allclose(pose[3], place.translation, atol=1e-12)
+        np.testing.assert_allclose(twist, expected @ v, atol=1e-12)
+        np.testing.assert_allclose(bias, drift, atol=1e-11)
+
+
 def test_eigenvalues_are_those_of_numpy():
     rng = np.random.default_rng(5)
     for n in (1, 2, 6):
@@ -137,13 +165,14 @@ def test_damping_acts_only_near_a_singularity_and_is_bounded_there():
     n, m, threshold = 7, 6, 0.1
     U, V = (np.linalg.qr(rng.normal(size=(k, k)))[0] for k in (m, n))
     M = np.eye(n) + 0.5 * np.diag(rng.uniform(size=n))
-    L = np.linalg.cholesky(M)
+    L = np.zeros((n, n))
+    factor(M, n, L)
     largest, before = [], None
     for smallest in np.linspace(0.2, 0.0, 400):
         J = U @ np.hstack([np.diag([1.0, 0.8, 0.6, 0.5, 0.4, smallest]), np.zeros((m, 1))]) @ V.T
         Lambda = np.zeros((m, m))
         kept = task_inertia(
-            J, L, m, np.ones(m), threshold, np.zeros((n, m)), Lambda, np.zeros((5, 6, 6))
+            J, L, m, np.ones(m), threshold, np.zeros((n, n)), Lambda, np.zeros((30, 6))
         )
         if smallest > threshold:
             assert kept == 1.0

@@ -10,6 +10,7 @@ import pytest
 import fotsmc_pin as fp
 from fotsmc_pin.analysis.linearization import linearize
 from fotsmc_pin.control import FrictionCompensation
+from fotsmc_pin.control.task_space.tool_rows import OPEN, TASK
 from fotsmc_pin.errors import ArgumentError, MeasurementError
 from fotsmc_pin.evaluation.stress.task_course import task
 from fotsmc_pin.references import PoseArc, PoseHold, PoseMotion, PoseSwing
@@ -269,7 +270,7 @@ def test_the_law_is_told_of_the_force_that_acts(ur5, swing):
     task.update(swing.q_start, np.zeros(6), *swing(0.3))
     before, tau = task.law.joints.tau.copy(), task.joints.tau.copy()
     force = np.array([3.0, -2.0, 5.0, 0.3, 0.1, -0.2])
-    jacobian = task._now[4][2]
+    jacobian = task._joints[TASK:OPEN]
     task.note_applied(tau + jacobian.T @ force + 0.5, np.full(6, 0.5))
     np.testing.assert_allclose(task.law.joints.tau - before, force, rtol=1e-8)
 
