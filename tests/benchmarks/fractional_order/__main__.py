@@ -1,0 +1,73 @@
+"""What the fractional order is worth: searches, held-out runs, verdict and figures.
+
+    python -m tests.benchmarks.fractional_order run [PROBLEM...] [--seeds 1 2] [--learning]
+    python -m tests.benchmarks.fractional_order pack
+    python -m tests.benchmarks.fractional_order judge
+    python -m tests.benchmarks.fractional_order figures
+
+`run` goes on where it was stopped. `pack` puts its files into `docs/data/fractional_order`, from
+which `judge` and `figures` make the tables and pictures of the page.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from pathlib import Path
+
+from tests.benchmarks.fractional_order.configurations import CONFIGURATIONS
+from tests.benchmarks.fractional_order.held_out import DEFAULT, judge_search
+from tests.benchmarks.fractional_order.searching import TRIALS, finish
+from tests.benchmarks.fractional_order.settings import PROBLEMS
+from tests.benchmarks.fractional_order.store import ROOT, Search, Store
+
+OUT = ROOT / "out/fractional_order"
+
+
+def study(
+    store: Store, problems: list[str], seeds: list[int], learnings: list[bool], trials: int
+) -> None:
+    """Search and judge: a problem is finished in all configurations before the next one begins."""
+    for seed in seeds:
+        for learning in learnings:
+            for problem in problems:
+                started = time.monotonic()
+                searches = {
+                    name: Search(problem, name, learning, seed)
+                    for name in ("free", *CONFIGURATIONS)
+                }
+                found = {name: finish(search, store, trials) for name, search in searches.items()}
+                default = found["free"][DEFAULT].outcome
+                for name, search in searches.items():
+                    judge_search(search, found[name], default, store)
+                took = time.monotonic() - started
+                sys.stderr.write(
+                    f"{time.strftime('%H:%M:%S')} seed {seed}, {problem}"
+                    f"{', learning' if learning else ''}: {took:.0f} s\n"
+                )
+
+
+def main() -> None:
+    """Do what the command line says."""
+    parser = argparse.ArgumentParser(prog="python -m tests.benchmarks.fractional_order")
+    parser.add_argument("what", choices=("run", "pack", "judge", "figures"))
+    parser.add_argument("problems", nargs="*", metavar="PROBLEM", help=", ".join(PROBLEMS))
+    parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3])
+    parser.add_argument("--learning", choices=("both", "with", "without"), default="both")
+    parser.add_argument("--trials", type=int, default=TRIALS)
+    parser.add_argument("--folder", type=Path, default=OUT, help="of the files under way")
+    given = parser.parse_args()
+    unknown = set(given.problems) - set(PROBLEMS)
+    if unknown:
+        parser.error(f"unknown problems: {', '.join(sorted(unknown))}")
+    if given.what == "run":
+        learnings = {"both": [False, True], "with": [True], "without": [False]}[given.learning]
+        problems = given.problems or [*PROBLEMS]
+        study(Store(given.folder), problems, given.seeds, learnings, given.trials)
+    elif given.what == "pack":
+        Store(given.folder).pack()
+
+
+if __name__ == "__main__":
+    main()
