@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 SETTINGS = 8
 VARIATIONS = (0.25, 0.5, 1.0, 2.0, 4.0)
-"""Budgets of torque variation, over that of the law with its defaults in the same search setting."""
+"""Budgets of torque variation, over that of the law with its defaults in the same setting."""
 PEAKS = (0.6, 0.8, 1.05, 1.5)
 """Budgets of peak torque, over that of the law with its defaults."""
 MOST_VARIATION = 2.0
@@ -29,8 +29,8 @@ DEFAULT = 0
 def chosen(trials: Sequence[Trial], default: Outcome) -> dict[str, int]:
     """Return the number of the trial that is judged for each budget that one meets.
 
-    That is the one with the smallest error in the search setting of those within the budget. Budgets
-    are named "variation 0.5", "peak 1".
+    That is the one with the smallest error in the search setting of those within the budget.
+    Budgets are named "variation 0.5", "peak 0.8".
 
     Args:
         trials: of a search.
@@ -53,13 +53,12 @@ def judge_search(
     trials: Sequence[Trial],
     default: Outcome,
     store: Store,
-    settings: int = SETTINGS,
 ) -> None:
-    """Run what is missing of a search's chosen trials, and of its defaults, in held-out settings."""
+    """Run what is missing of a search's chosen trials, and its defaults, in held-out settings."""
     known = store.of(search).held_out[search]
     configuration = CONFIGURATIONS[search.configuration]
     numbers = sorted({DEFAULT, *chosen(trials, default).values()})
-    for k in range(settings):
+    for k in range(SETTINGS):
         missing = [number for number in numbers if (number, k) not in known]
         if not missing:
             continue

@@ -44,7 +44,7 @@ PROBLEMS = (PAPER, *ARMS)
 
 DT = 1e-3
 SEARCH_TIME, JUDGED_TIME = (0.8, 1.4), (1.0, 2.0)
-"""Spans in which the error counts, in a search and of held-out settings; the end is the run's [s]."""
+"""Spans in which the error counts, in searches and held out; the run ends with it [s]."""
 PAPER_TIME = (1.2, 2.0)
 START_ERROR = 0.1
 EFFORT_SHARE = 0.8
@@ -92,7 +92,7 @@ def search_setting(problem: str, seed: int) -> Setting:
 
 
 def held_out_setting(problem: str, number: int) -> Setting:
-    """Return one of the settings that no search has seen: even numbers sinusoids, odd ones moves."""
+    """Return a setting that no search has seen: with an even number sinusoids, else a move."""
     rng = _rng(problem, HELD_OUT, number)
     if problem == PAPER:
         return _redrawn(rng, PAPER_TIME)

@@ -1,4 +1,4 @@
-"""Where trials and held-out runs are kept: a text file per search while it goes on, then one archive.
+"""Where trials and held-out runs are kept: a file per search while it goes on, then an archive.
 
 A line is written as soon as its run is done, so that a study that is killed loses one run. The
 archive holds all of them as two tables with named columns.
