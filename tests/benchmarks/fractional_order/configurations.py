@@ -50,6 +50,20 @@ GAINS = (*PID_START, *START)
 """Names of all gains that are stored."""
 
 
+class Robust(fp.RobustFONFTSM):
+    """The law without its warnings about the arm, whose check takes as long as a quarter run."""
+
+    def review(self) -> None:
+        """Take the arm and the gains as they are."""
+
+
+class Pid(fp.ComputedTorque):
+    """Computed torque without these warnings."""
+
+    def review(self) -> None:
+        """Take the arm and the gains as they are."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Configuration:
     """A law, and the gains of it that are searched.
@@ -70,7 +84,7 @@ class Configuration:
         """Return the controller with these gains."""
         law: Any
         if "kp" in gains:
-            law = fp.ComputedTorque(arm, DT, **gains)
+            law = Pid(arm, DT, **gains)
         else:
             given = dict(gains)
             scale = given.pop("reach_scale")
@@ -85,7 +99,7 @@ class Configuration:
                 A=given["A"],
                 lam=2.0,
             )
-            law = fp.RobustFONFTSM(arm, DT, reach=reach, **given)
+            law = Robust(arm, DT, reach=reach, **given)
         return fp.ModelLearning(law, delay=1, bears=BEARS) if learning else law
 
 
