@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from fotsmc_pin.view import new_figure, paper_style, save_figure
 from fotsmc_pin.view.palette import BLUE, GREEN, GREY, VERMILLION
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
     from matplotlib.figure import Figure
 
     from fotsmc_pin.types import Array
@@ -104,6 +106,7 @@ def ratio_figure(results: Results) -> Figure:
                 )
             panel.axvline(1.0, color=GREY, linewidth=0.8)
             panel.set_xscale("log")
+            _label_decades(panel.xaxis)
             panel.set_yticks(-np.arange(len(problems)), problems)
             panel.get_yticklabels()[-1].set_fontweight("bold")
             panel.set_title(f"equal {'peak torque' if question == 'peak' else 'torque variation'}")
@@ -176,11 +179,19 @@ def _fronts(results: Results, problem: str, question: str, learning: bool, panel
         panel.plot(line[:, column], 1e3 * line[:, ERROR], "o-", color=COLORS[name], markersize=3.0)
     errors = 1e3 * np.array([point[ERROR] for owner, point in shown if owner != "pid"])
     across = np.array([point[column] for _, point in shown])
-    panel.set_xscale("log")
-    panel.set_yscale("log")
+    for scale, axis in ((panel.set_xscale, panel.xaxis), (panel.set_yscale, panel.yaxis)):
+        scale("log")
+        _label_decades(axis)
     panel.set_ylim(0.4 * errors.min(), FARTHEST * errors.min())
     panel.set_xlim(0.7 * across.min(), 1.4 * across.max())
     panel.set_title(problem)
+
+
+def _label_decades(axis: Axis) -> None:
+    """Write 1, 2 and 5 of each decade as plain numbers."""
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=6))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_formatter(NullFormatter())
 
 
 def _middle(rows: Array) -> Array:
