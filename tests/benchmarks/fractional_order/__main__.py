@@ -5,8 +5,9 @@
     python -m tests.benchmarks.fractional_order judge
     python -m tests.benchmarks.fractional_order figures
 
-`run` goes on where it was stopped. `pack` puts its files into `docs/data/fractional_order`, from
-which `judge` and `figures` make the tables and pictures of the page.
+`run` goes on where it was stopped. `pack` puts what it has so far into
+`docs/data/fractional_order`. From there `judge` prints the tables of the page "What the fractional
+order is worth" and writes them beside the data; `figures` draws its pictures. Both take a minute.
 """
 
 from __future__ import annotations
@@ -16,11 +17,14 @@ import sys
 import time
 from pathlib import Path
 
+from fotsmc_pin.files import write_text
 from tests.benchmarks.fractional_order.configurations import CONFIGURATIONS
+from tests.benchmarks.fractional_order.figures import write_figures
 from tests.benchmarks.fractional_order.held_out import DEFAULT, judge_search
 from tests.benchmarks.fractional_order.searching import TRIALS, finish
 from tests.benchmarks.fractional_order.settings import PROBLEMS
-from tests.benchmarks.fractional_order.store import ROOT, Search, Store
+from tests.benchmarks.fractional_order.store import ARCHIVE, ROOT, Search, Store, load
+from tests.benchmarks.fractional_order.tables import all_tables
 
 OUT = ROOT / "out/fractional_order"
 
@@ -67,6 +71,12 @@ def main() -> None:
         study(Store(given.folder), problems, given.seeds, learnings, given.trials)
     elif given.what == "pack":
         Store(given.folder).pack()
+    elif given.what == "judge":
+        for name, table in all_tables(load()).items():
+            write_text(ARCHIVE / f"{name}.md", table)
+            sys.stdout.write(f"{name}\n\n{table}\n")
+    else:
+        write_figures(load())
 
 
 if __name__ == "__main__":

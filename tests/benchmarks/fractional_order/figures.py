@@ -41,7 +41,7 @@ IMAGES = ROOT / "docs/images"
 COLORS = {"integer": BLUE, "free": VERMILLION, "pid": GREEN}
 AXIS = {"variation": "torque variation [N·m/s]", "peak": "peak torque [N·m]"}
 COLUMNS = 4
-FARTHEST = 30.0
+FARTHEST = 100.0
 """Errors are shown up to so many times the smallest held-out error of a panel's law."""
 
 
@@ -106,11 +106,11 @@ def ratio_figure(results: Results) -> Figure:
                 )
             panel.axvline(1.0, color=GREY, linewidth=0.8)
             panel.set_xscale("log")
-            _label_decades(panel.xaxis)
             panel.set_yticks(-np.arange(len(problems)), problems)
             panel.get_yticklabels()[-1].set_fontweight("bold")
             panel.set_title(f"equal {'peak torque' if question == 'peak' else 'torque variation'}")
             panel.set_xlabel("error with α free over error with α = 0")
+            _label_decades(panel.xaxis)
         axes[0, 0].legend(loc="best")
     return figure
 
@@ -179,17 +179,21 @@ def _fronts(results: Results, problem: str, question: str, learning: bool, panel
         panel.plot(line[:, column], 1e3 * line[:, ERROR], "o-", color=COLORS[name], markersize=3.0)
     errors = 1e3 * np.array([point[ERROR] for owner, point in shown if owner != "pid"])
     across = np.array([point[column] for _, point in shown])
-    for scale, axis in ((panel.set_xscale, panel.xaxis), (panel.set_yscale, panel.yaxis)):
-        scale("log")
-        _label_decades(axis)
+    panel.set_xscale("log")
+    panel.set_yscale("log")
     panel.set_ylim(0.4 * errors.min(), FARTHEST * errors.min())
     panel.set_xlim(0.7 * across.min(), 1.4 * across.max())
+    for axis in (panel.xaxis, panel.yaxis):
+        _label_decades(axis)
     panel.set_title(problem)
 
 
 def _label_decades(axis: Axis) -> None:
-    """Write 1, 2 and 5 of each decade as plain numbers."""
-    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=6))
+    """Write some of each decade as plain numbers, as many as there is room for."""
+    low, high = axis.get_view_interval()
+    decades = np.log10(high / low)
+    subs = (1.0, 2.0, 5.0) if decades < 1.4 else (1.0, 3.0) if decades < 2.4 else (1.0,)
+    axis.set_major_locator(LogLocator(subs=subs, numticks=9))
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axis.set_minor_formatter(NullFormatter())
 

@@ -268,3 +268,21 @@ def _difference_text(interval: Interval | None) -> str:
         return NOTHING
     text = f"{interval.value:+.2f} ({interval.low:+.2f} to {interval.high:+.2f})"
     return f"**{text}**" if interval.excludes(0.0) else text
+
+
+def all_tables(results: Results) -> dict[str, str]:
+    """Return every table of the page by its name."""
+    order = "order free over order 0"
+    made = {"counts": counts(results), "orders": orders(results), "defaults": defaults(results)}
+    made |= {f"order_{question}": per_arm(results, order, question) for question in BUDGETS}
+    made |= {
+        f"pid_{question}": per_arm(results, "PID over order free", question) for question in BUDGETS
+    }
+    made |= {
+        "budgets": per_budget(results, order),
+        "seeds": per_seed(results, order),
+        "hypervolumes": hypervolumes(results, order),
+        "errors_variation": errors(results, "variation 1"),
+        "errors_peak": errors(results, "peak 1.05"),
+    }
+    return made
