@@ -23,14 +23,19 @@ from tests.benchmarks.fractional_order.figures import write_figures
 from tests.benchmarks.fractional_order.held_out import DEFAULT, judge_search
 from tests.benchmarks.fractional_order.searching import TRIALS, finish
 from tests.benchmarks.fractional_order.settings import PROBLEMS
+from tests.benchmarks.fractional_order.side_tables import all_tables
 from tests.benchmarks.fractional_order.store import ARCHIVE, ROOT, Search, Store, load
-from tests.benchmarks.fractional_order.tables import all_tables
 
 OUT = ROOT / "out/fractional_order"
 
 
 def study(
-    store: Store, problems: list[str], seeds: list[int], learnings: list[bool], trials: int
+    store: Store,
+    problems: list[str],
+    seeds: list[int],
+    learnings: list[bool],
+    trials: int,
+    long: bool,
 ) -> None:
     """Search and judge: a problem is finished in all configurations before the next one begins."""
     for seed in seeds:
@@ -44,7 +49,7 @@ def study(
                 found = {name: finish(search, store, trials) for name, search in searches.items()}
                 default = found["free"][DEFAULT].outcome
                 for name, search in searches.items():
-                    judge_search(search, found[name], default, store)
+                    judge_search(search, found[name], default, store, long=long)
                 took = time.monotonic() - started
                 sys.stderr.write(
                     f"{time.strftime('%H:%M:%S')} seed {seed}, {problem}"
@@ -60,6 +65,7 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3])
     parser.add_argument("--learning", choices=("both", "with", "without"), default="both")
     parser.add_argument("--trials", type=int, default=TRIALS)
+    parser.add_argument("--long", action="store_true", help="run the longer held-out settings")
     parser.add_argument("--folder", type=Path, default=OUT, help="of the files under way")
     given = parser.parse_args()
     unknown = set(given.problems) - set(PROBLEMS)
@@ -68,7 +74,7 @@ def main() -> None:
     if given.what == "run":
         learnings = {"both": [False, True], "with": [True], "without": [False]}[given.learning]
         problems = given.problems or [*PROBLEMS]
-        study(Store(given.folder), problems, given.seeds, learnings, given.trials)
+        study(Store(given.folder), problems, given.seeds, learnings, given.trials, given.long)
     elif given.what == "pack":
         Store(given.folder).pack()
     elif given.what == "judge":

@@ -79,13 +79,15 @@ def designs(results: Results, search: Search) -> dict[str, int]:
     return chosen(results.trials[search], default)
 
 
-def held_out(results: Results, search: Search, trial: int) -> Array:
+def held_out(
+    results: Results, search: Search, trial: int, settings: Sequence[int] = range(SETTINGS)
+) -> Array:
     """Return error, torque variation and peak torque of a trial in each setting (settings, 3).
 
     A run that was lost has the error of a lost one, and no torques: nan.
     """
     found = results.held_out[search]
-    rows = np.array([found[trial, k][:3] for k in range(SETTINGS)])
+    rows = np.array([found[trial, k][:3] for k in settings])
     return np.where(np.isfinite(rows), rows, np.nan)
 
 
@@ -98,6 +100,7 @@ def compare(
     budgets: Sequence[str],
     *,
     seeds: Sequence[int] | None = None,
+    settings: Sequence[int] = range(SETTINGS),
 ) -> Pair | None:
     """Return how two configurations compare under budgets; None where both never meet one."""
     column = THIRD[budgets[0].split()[0]]
@@ -109,7 +112,7 @@ def compare(
             if not all(budget in numbers for numbers in found):
                 continue
             a, b = (
-                held_out(results, search, numbers[budget])
+                held_out(results, search, numbers[budget], settings)
                 for search, numbers in zip(pair, found, strict=True)
             )
             errors.append(np.log(a[:, ERROR] / b[:, ERROR]))

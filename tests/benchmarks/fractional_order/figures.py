@@ -23,8 +23,9 @@ from tests.benchmarks.fractional_order.comparing import (
 from tests.benchmarks.fractional_order.configurations import CONFIGURATIONS
 from tests.benchmarks.fractional_order.judging import front
 from tests.benchmarks.fractional_order.settings import PROBLEMS
+from tests.benchmarks.fractional_order.side_tables import chosen_orders
 from tests.benchmarks.fractional_order.store import ROOT, Search
-from tests.benchmarks.fractional_order.tables import LEARNING, POOLED, chosen_orders, pooled
+from tests.benchmarks.fractional_order.tables import LEARNING, POOLED, pooled
 
 if TYPE_CHECKING:
     from pathlib import Path

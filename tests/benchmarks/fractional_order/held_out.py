@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from fotsmc_pin.evaluation.tuning.minimize import trying_anything
 from tests.benchmarks.fractional_order.configurations import CONFIGURATIONS
 from tests.benchmarks.fractional_order.runs import run
-from tests.benchmarks.fractional_order.settings import held_out_setting
+from tests.benchmarks.fractional_order.settings import LONG, held_out_setting
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -22,6 +22,8 @@ PEAKS = (0.6, 0.8, 1.05, 1.5)
 """Budgets of peak torque, over that of the law with its defaults."""
 MOST_VARIATION = 2.0
 """Budget of torque variation that holds beside every budget of peak torque: beyond, drives hum."""
+LONG_BUDGET = "variation 1"
+"""Budget whose trial is run for longer too, in the sinusoids."""
 DEFAULT = 0
 """Number of the trial with the law's defaults."""
 
@@ -53,13 +55,28 @@ def judge_search(
     trials: Sequence[Trial],
     default: Outcome,
     store: Store,
+    *,
+    long: bool = False,
 ) -> None:
-    """Run what is missing of a search's chosen trials, and its defaults, in held-out settings."""
+    """Run what is missing of a search's chosen trials, and its defaults, in held-out settings.
+
+    Args:
+        search: the search.
+        trials: of it.
+        default: the law with its defaults in the setting of the search.
+        store: where the runs are kept.
+        long: run the longer settings in place of the others.
+    """
     known = store.of(search).held_out[search]
     configuration = CONFIGURATIONS[search.configuration]
-    numbers = sorted({DEFAULT, *chosen(trials, default).values()})
-    for k in range(SETTINGS):
-        missing = [number for number in numbers if (number, k) not in known]
+    numbers = chosen(trials, default)
+    if long:
+        judged = {numbers[LONG_BUDGET]} if LONG_BUDGET in numbers else set()
+        settings = [LONG + k for k in range(0, SETTINGS, 2)]
+    else:
+        judged, settings = {*numbers.values()}, [*range(SETTINGS)]
+    for k in settings:
+        missing = [number for number in sorted({DEFAULT, *judged}) if (number, k) not in known]
         if not missing:
             continue
         setting = held_out_setting(search.problem, k)

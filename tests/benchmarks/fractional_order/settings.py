@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import math
 import zlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
@@ -46,6 +46,9 @@ DT = 1e-3
 SEARCH_TIME, JUDGED_TIME = (0.8, 1.4), (1.0, 2.0)
 """Spans in which the error counts, in searches and held out; the run ends with it [s]."""
 PAPER_TIME = (1.2, 2.0)
+LONG_TIME = (3.0, 4.0)
+LONG = 100
+"""From this number on held-out settings are those from 0 on, run for longer."""
 START_ERROR = 0.1
 EFFORT_SHARE = 0.8
 TRIES = 60
@@ -93,6 +96,8 @@ def search_setting(problem: str, seed: int) -> Setting:
 
 def held_out_setting(problem: str, number: int) -> Setting:
     """Return a setting that no search has seen: with an even number sinusoids, else a move."""
+    if number >= LONG:
+        return replace(held_out_setting(problem, number - LONG), span=LONG_TIME)
     rng = _rng(problem, HELD_OUT, number)
     if problem == PAPER:
         return _redrawn(rng, PAPER_TIME)

@@ -11,22 +11,15 @@ from fotsmc_pin.files import markdown_table
 from tests.benchmarks.fractional_order.comparing import (
     BUDGETS,
     compare,
-    compare_defaults,
     compare_fronts,
-    designs,
     done_problems,
-    held_out,
-    seeds_of,
 )
-from tests.benchmarks.fractional_order.configurations import CONFIGURATIONS
-from tests.benchmarks.fractional_order.judging import Interval, paired_interval, pooled_interval
+from tests.benchmarks.fractional_order.judging import Interval, pooled_interval
 from tests.benchmarks.fractional_order.settings import PAPER
-from tests.benchmarks.fractional_order.store import Search
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from fotsmc_pin.types import Array
     from tests.benchmarks.fractional_order.store import Results
 
 NOTHING = "–"
@@ -112,36 +105,6 @@ def per_budget(results: Results, pair: str) -> str:
     return markdown_table(["budget", *head], rows, "lrrrr")
 
 
-def per_seed(results: Results, pair: str) -> str:
-    """Return a line per arm and world, a column per seed: the ratio of errors by one search."""
-    ours, others = PAIRS[pair]
-    seeds = sorted({search.seed for search in results.trials})
-    rows = []
-    for learning in (False, True):
-        for problem in done_problems(results, learning):
-            done = seeds_of(results, problem, learning)
-            cells = [f"{problem}, {LEARNING[learning]}"]
-            for question in BUDGETS:
-                for seed in seeds:
-                    found = (
-                        compare(
-                            results,
-                            problem,
-                            learning,
-                            ours,
-                            others,
-                            BUDGETS[question],
-                            seeds=[seed],
-                        )
-                        if seed in done
-                        else None
-                    )
-                    cells.append(NOTHING if found is None else ratio_text(found.ratio))
-            rows.append(cells)
-    head = [f"{question}, seed {seed}" for question in BUDGETS for seed in seeds]
-    return markdown_table(["arm", *head], rows, "l" + "r" * len(head))
-
-
 def hypervolumes(results: Results, pair: str) -> str:
     """Return a line per arm: by how much one held-out front dominates more than the other."""
     ours, others = PAIRS[pair]
@@ -159,103 +122,6 @@ def hypervolumes(results: Results, pair: str) -> str:
     return markdown_table(["arm", *head], rows, "lrrrr")
 
 
-def orders(results: Results) -> str:
-    """Return a line per budget: the orders that the search with a free order ended at."""
-    rows = []
-    for budget in (*BUDGETS["variation"], *BUDGETS["peak"]):
-        cells = [budget.replace(" ", " × ")]
-        for learning in (False, True):
-            found = chosen_orders(results, learning, budget)
-            if len(found):
-                low, middle, high = np.quantile(found, (0.0, 0.5, 1.0))
-                cells.append(f"{middle:.2f} ({low:.2f} to {high:.2f})")
-            else:
-                cells.append(NOTHING)
-        rows.append(cells)
-    return markdown_table(["budget", *LEARNING.values()], rows, "lrr")
-
-
-def chosen_orders(results: Results, learning: bool, budget: str) -> Array:
-    """Return the order of each design that the search with a free order has for a budget."""
-    found = []
-    for problem in done_problems(results, learning):
-        for seed in seeds_of(results, problem, learning):
-            search = Search(problem, "free", learning, seed)
-            number = designs(results, search).get(budget)
-            if number is not None:
-                found.append(results.trials[search][number].gains["alpha"])
-    return np.array(found)
-
-
-def defaults(results: Results) -> str:
-    """Return a line per arm: order 0.3 over order 0, all other gains at their defaults."""
-    rows = []
-    for problem in done_problems(results, False):
-        cells = [problem]
-        for learning in (False, True):
-            found = compare_defaults(results, problem, learning)
-            for column in range(3):
-                if found is None:
-                    cells.append(NOTHING)
-                else:
-                    interval = paired_interval(found[:, column])
-                    cells.append(ratio_text(interval.mapped(np.exp)))
-        rows.append(cells)
-    what = ("error", "variation", "peak")
-    head = [f"{each}, {LEARNING[learning]}" for learning in (False, True) for each in what]
-    return markdown_table(["arm", *head], rows, "lrrrrrr")
-
-
-def errors(results: Results, budget: str) -> str:
-    """Return a line per arm: held-out errors of each configuration at a budget [mrad]."""
-    rows = []
-    for problem in done_problems(results, False):
-        cells = [problem]
-        for learning in (False, True):
-            for name in CONFIGURATIONS:
-                logs, lost = [], 0
-                for seed in seeds_of(results, problem, learning):
-                    search = Search(problem, name, learning, seed)
-                    number = designs(results, search).get(budget)
-                    if number is not None:
-                        found = held_out(results, search, number)
-                        logs.append(np.log(1e3 * found[:, 0]))
-                        lost += int(np.isnan(found[:, 1]).sum())
-                text = f"{math.exp(np.mean(logs)):.3g}" if logs else NOTHING
-                cells.append(text + (f" ({lost} lost)" if lost else ""))
-        rows.append(cells)
-    head = [
-        f"{configuration.title}, {LEARNING[learning]}"
-        for learning in (False, True)
-        for configuration in CONFIGURATIONS.values()
-    ]
-    return markdown_table(["arm", *head], rows, "l" + "r" * len(head))
-
-
-def counts(results: Results) -> str:
-    """Return what was run, in a line per seed and world."""
-    rows = []
-    for seed in sorted({search.seed for search in results.trials}):
-        for learning in (False, True):
-            searches = [
-                search
-                for search in results.trials
-                if (search.seed, search.learning) == (seed, learning)
-            ]
-            problems = {search.problem for search in searches}
-            finished = [
-                problem for problem in problems if seed in seeds_of(results, problem, learning)
-            ]
-            if finished:
-                trials = sum(len(results.trials[s]) for s in searches if s.problem in finished)
-                runs = sum(len(results.held_out[s]) for s in searches if s.problem in finished)
-                rows.append(
-                    [str(seed), LEARNING[learning], str(len(finished)), str(trials), str(runs)]
-                )
-    head = ["seed", "", "arms and the paper's case", "trials", "held-out runs"]
-    return markdown_table(head, rows, "llrrr")
-
-
 def _cells(pair: object) -> list[str]:
     if pair is None:
         return [NOTHING] * 3
@@ -268,21 +134,3 @@ def _difference_text(interval: Interval | None) -> str:
         return NOTHING
     text = f"{interval.value:+.2f} ({interval.low:+.2f} to {interval.high:+.2f})"
     return f"**{text}**" if interval.excludes(0.0) else text
-
-
-def all_tables(results: Results) -> dict[str, str]:
-    """Return every table of the page by its name."""
-    order = "order free over order 0"
-    made = {"counts": counts(results), "orders": orders(results), "defaults": defaults(results)}
-    made |= {f"order_{question}": per_arm(results, order, question) for question in BUDGETS}
-    made |= {
-        f"pid_{question}": per_arm(results, "PID over order free", question) for question in BUDGETS
-    }
-    made |= {
-        "budgets": per_budget(results, order),
-        "seeds": per_seed(results, order),
-        "hypervolumes": hypervolumes(results, order),
-        "errors_variation": errors(results, "variation 1"),
-        "errors_peak": errors(results, "peak 1.05"),
-    }
-    return made

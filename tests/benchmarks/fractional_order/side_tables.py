@@ -1,0 +1,213 @@
+"""The tables of the page on single searches, orders, defaults and what was run."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fotsmc_pin.files import markdown_table
+from tests.benchmarks.fractional_order.comparing import (
+    BUDGETS,
+    compare,
+    compare_defaults,
+    designs,
+    done_problems,
+    held_out,
+    seeds_of,
+)
+from tests.benchmarks.fractional_order.configurations import CONFIGURATIONS
+from tests.benchmarks.fractional_order.held_out import LONG_BUDGET, SETTINGS
+from tests.benchmarks.fractional_order.judging import paired_interval
+from tests.benchmarks.fractional_order.settings import LONG
+from tests.benchmarks.fractional_order.store import Search
+from tests.benchmarks.fractional_order.tables import (
+    LEARNING,
+    NOTHING,
+    PAIRS,
+    hypervolumes,
+    per_arm,
+    per_budget,
+    ratio_text,
+)
+
+if TYPE_CHECKING:
+    from fotsmc_pin.types import Array
+    from tests.benchmarks.fractional_order.store import Results
+
+
+def per_seed(results: Results, pair: str) -> str:
+    """Return a line per arm and world, a column per seed: the ratio of errors by one search."""
+    ours, others = PAIRS[pair]
+    seeds = sorted({search.seed for search in results.trials})
+    rows = []
+    for learning in (False, True):
+        for problem in done_problems(results, learning):
+            done = seeds_of(results, problem, learning)
+            cells = [f"{problem}, {LEARNING[learning]}"]
+            for question in BUDGETS:
+                for seed in seeds:
+                    found = (
+                        compare(
+                            results,
+                            problem,
+                            learning,
+                            ours,
+                            others,
+                            BUDGETS[question],
+                            seeds=[seed],
+                        )
+                        if seed in done
+                        else None
+                    )
+                    cells.append(NOTHING if found is None else ratio_text(found.ratio))
+            rows.append(cells)
+    head = [f"{question}, seed {seed}" for question in BUDGETS for seed in seeds]
+    return markdown_table(["arm", *head], rows, "l" + "r" * len(head))
+
+
+def orders(results: Results) -> str:
+    """Return a line per budget: the orders that the search with a free order ended at."""
+    rows = []
+    for budget in (*BUDGETS["variation"], *BUDGETS["peak"]):
+        cells = [budget.replace(" ", " × ")]
+        for learning in (False, True):
+            found = chosen_orders(results, learning, budget)
+            if len(found):
+                low, middle, high = np.quantile(found, (0.0, 0.5, 1.0))
+                cells.append(f"{middle:.2f} ({low:.2f} to {high:.2f})")
+            else:
+                cells.append(NOTHING)
+        rows.append(cells)
+    return markdown_table(["budget", *LEARNING.values()], rows, "lrr")
+
+
+def chosen_orders(results: Results, learning: bool, budget: str) -> Array:
+    """Return the order of each design that the search with a free order has for a budget."""
+    found = []
+    for problem in done_problems(results, learning):
+        for seed in seeds_of(results, problem, learning):
+            search = Search(problem, "free", learning, seed)
+            number = designs(results, search).get(budget)
+            if number is not None:
+                found.append(results.trials[search][number].gains["alpha"])
+    return np.array(found)
+
+
+def defaults(results: Results) -> str:
+    """Return a line per arm: order 0.3 over order 0, all other gains at their defaults."""
+    rows = []
+    for problem in done_problems(results, False):
+        cells = [problem]
+        for learning in (False, True):
+            found = compare_defaults(results, problem, learning)
+            for column in range(3):
+                if found is None:
+                    cells.append(NOTHING)
+                else:
+                    interval = paired_interval(found[:, column])
+                    cells.append(ratio_text(interval.mapped(np.exp)))
+        rows.append(cells)
+    what = ("error", "variation", "peak")
+    head = [f"{each}, {LEARNING[learning]}" for learning in (False, True) for each in what]
+    return markdown_table(["arm", *head], rows, "lrrrrrr")
+
+
+def errors(results: Results, budget: str) -> str:
+    """Return a line per arm: held-out errors of each configuration at a budget [mrad]."""
+    rows = []
+    for problem in done_problems(results, False):
+        cells = [problem]
+        for learning in (False, True):
+            for name in CONFIGURATIONS:
+                logs, lost = [], 0
+                for seed in seeds_of(results, problem, learning):
+                    search = Search(problem, name, learning, seed)
+                    number = designs(results, search).get(budget)
+                    if number is not None:
+                        found = held_out(results, search, number)
+                        logs.append(np.log(1e3 * found[:, 0]))
+                        lost += int(np.isnan(found[:, 1]).sum())
+                text = f"{math.exp(np.mean(logs)):.3g}" if logs else NOTHING
+                cells.append(text + (f" ({lost} lost)" if lost else ""))
+        rows.append(cells)
+    head = [
+        f"{configuration.title}, {LEARNING[learning]}"
+        for learning in (False, True)
+        for configuration in CONFIGURATIONS.values()
+    ]
+    return markdown_table(["arm", *head], rows, "l" + "r" * len(head))
+
+
+def counts(results: Results) -> str:
+    """Return what was run, in a line per seed and world."""
+    rows = []
+    for seed in sorted({search.seed for search in results.trials}):
+        for learning in (False, True):
+            searches = [
+                search
+                for search in results.trials
+                if (search.seed, search.learning) == (seed, learning)
+            ]
+            problems = {search.problem for search in searches}
+            finished = [
+                problem for problem in problems if seed in seeds_of(results, problem, learning)
+            ]
+            if finished:
+                trials = sum(len(results.trials[s]) for s in searches if s.problem in finished)
+                runs = sum(len(results.held_out[s]) for s in searches if s.problem in finished)
+                rows.append(
+                    [str(seed), LEARNING[learning], str(len(finished)), str(trials), str(runs)]
+                )
+    head = ["seed", "", "arms and the paper's case", "trials", "held-out runs"]
+    return markdown_table(head, rows, "llrrr")
+
+
+def longer(results: Results) -> str:
+    """Return a line per arm: the ratios of errors from 1 to 2 s, and from 3 to 4 s, at a budget."""
+    sines, rows = range(0, SETTINGS, 2), []
+    for problem in done_problems(results, False):
+        search = Search(problem, "free", False, seeds_of(results, problem, False)[0])
+        if not any(k >= LONG for _, k in results.held_out[search]):
+            continue
+        cells = [problem]
+        for ours, others in (("free", "integer"), ("pid", "free")):
+            for settings in (sines, [LONG + k for k in sines]):
+                found = compare(
+                    results,
+                    problem,
+                    False,
+                    ours,
+                    others,
+                    [LONG_BUDGET],
+                    seeds=[search.seed],
+                    settings=settings,
+                )
+                cells.append(NOTHING if found is None else ratio_text(found.ratio))
+        rows.append(cells)
+    head = [
+        f"{pair}, {span}"
+        for pair in ("α free over α = 0", "PID over α free")
+        for span in ("1 to 2 s", "3 to 4 s")
+    ]
+    return markdown_table(["arm", *head], rows, "lrrrr")
+
+
+def all_tables(results: Results) -> dict[str, str]:
+    """Return every table of the page by its name."""
+    order = "order free over order 0"
+    made = {"counts": counts(results), "orders": orders(results), "defaults": defaults(results)}
+    made |= {f"order_{question}": per_arm(results, order, question) for question in BUDGETS}
+    made |= {
+        f"pid_{question}": per_arm(results, "PID over order free", question) for question in BUDGETS
+    }
+    made |= {
+        "budgets": per_budget(results, order),
+        "seeds": per_seed(results, order),
+        "hypervolumes": hypervolumes(results, order),
+        "errors_variation": errors(results, "variation 1"),
+        "longer": longer(results),
+        "errors_peak": errors(results, "peak 1.05"),
+    }
+    return made
