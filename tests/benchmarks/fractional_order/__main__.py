@@ -21,6 +21,7 @@ from fotsmc_pin.files import write_text
 from tests.benchmarks.fractional_order.configurations import CONFIGURATIONS
 from tests.benchmarks.fractional_order.figures import write_figures
 from tests.benchmarks.fractional_order.held_out import DEFAULT, judge_search
+from tests.benchmarks.fractional_order.polishing import polish
 from tests.benchmarks.fractional_order.searching import TRIALS, finish
 from tests.benchmarks.fractional_order.settings import PROBLEMS
 from tests.benchmarks.fractional_order.side_tables import all_tables
@@ -35,7 +36,7 @@ def study(
     seeds: list[int],
     learnings: list[bool],
     trials: int,
-    long: bool,
+    further: str,
 ) -> None:
     """Search and judge: a problem is finished in all configurations before the next one begins."""
     for seed in seeds:
@@ -49,7 +50,11 @@ def study(
                 found = {name: finish(search, store, trials) for name, search in searches.items()}
                 default = found["free"][DEFAULT].outcome
                 for name, search in searches.items():
-                    judge_search(search, found[name], default, store, long=long)
+                    if further != "polish":
+                        long = further == "long"
+                        judge_search(search, found[name], default, store, long=long)
+                    elif name != "pid":
+                        polish(search, found[name], default, store)
                 took = time.monotonic() - started
                 sys.stderr.write(
                     f"{time.strftime('%H:%M:%S')} seed {seed}, {problem}"
@@ -65,7 +70,12 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3])
     parser.add_argument("--learning", choices=("both", "with", "without"), default="both")
     parser.add_argument("--trials", type=int, default=TRIALS)
-    parser.add_argument("--long", action="store_true", help="run the longer held-out settings")
+    parser.add_argument(
+        "--further",
+        choices=("", "long", "polish"),
+        default="",
+        help="run held-out settings for longer; or go on from designs for the error alone",
+    )
     parser.add_argument("--folder", type=Path, default=OUT, help="of the files under way")
     given = parser.parse_args()
     unknown = set(given.problems) - set(PROBLEMS)
@@ -74,7 +84,7 @@ def main() -> None:
     if given.what == "run":
         learnings = {"both": [False, True], "with": [True], "without": [False]}[given.learning]
         problems = given.problems or [*PROBLEMS]
-        study(Store(given.folder), problems, given.seeds, learnings, given.trials, given.long)
+        study(Store(given.folder), problems, given.seeds, learnings, given.trials, given.further)
     elif given.what == "pack":
         Store(given.folder).pack()
     elif given.what == "judge":

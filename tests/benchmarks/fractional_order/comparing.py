@@ -10,8 +10,9 @@ from tests.benchmarks.fractional_order.held_out import DEFAULT, PEAKS, SETTINGS,
 from tests.benchmarks.fractional_order.judging import (
     Interval,
     hypervolume_difference,
-    paired_interval,
+    pooled_interval,
 )
+from tests.benchmarks.fractional_order.polishing import polished_search
 from tests.benchmarks.fractional_order.settings import PROBLEMS
 from tests.benchmarks.fractional_order.store import Search
 
@@ -36,22 +37,30 @@ class Pair(NamedTuple):
     """Two configurations of a problem under the same budgets.
 
     Attributes:
-        differences: ln of the ratio of their errors in each held-out setting, mean over budgets and
-            seeds (settings,).
+        by_seed: for each seed, ln of the ratio of their errors in each held-out setting, mean over
+            budgets (settings,).
         other: the same of their torque variation, or of their peak torque, by the question.
         budgets: names of the budgets that both can meet with some seed.
         lost: held-out runs that each of both lost, and how many there were.
     """
 
-    differences: Array
+    by_seed: tuple[Array, ...]
     other: Array
     budgets: tuple[str, ...]
     lost: tuple[int, int, int]
 
     @property
     def ratio(self) -> Interval:
-        """Geometric mean of the ratio of errors, with its interval."""
-        return paired_interval(self.differences).mapped(np.exp)
+        """Geometric mean of the ratio of errors, with its interval.
+
+        Of one search it holds for other settings; of several for other searches as well.
+        """
+        return pooled_interval(self.by_seed).mapped(np.exp)
+
+    @property
+    def differences(self) -> Array:
+        """The mean of all seeds (settings,)."""
+        return np.mean(self.by_seed, axis=0)
 
 
 def seeds_of(results: Results, problem: str, learning: bool) -> list[int]:
@@ -104,10 +113,11 @@ def compare(
 ) -> Pair | None:
     """Return how two configurations compare under budgets; None where both never meet one."""
     column = THIRD[budgets[0].split()[0]]
-    errors, third, used, lost = [], [], [], [0, 0, 0]
+    by_seed, third, used, lost = [], [], [], [0, 0, 0]
     for seed in seeds or seeds_of(results, problem, learning):
         pair = [Search(problem, name, learning, seed) for name in (ours, others)]
         found = [designs(results, search) for search in pair]
+        errors = []
         for budget in budgets:
             if not all(budget in numbers for numbers in found):
                 continue
@@ -121,10 +131,12 @@ def compare(
             for side, rows in enumerate((a, b)):
                 lost[side] += int(np.isnan(rows[:, column]).sum())
             lost[2] += len(a)
-    if not errors:
+        if errors:
+            by_seed.append(np.mean(errors, axis=0))
+    if not by_seed:
         return None
     return Pair(
-        np.mean(errors, axis=0),
+        tuple(by_seed),
         _mean_of_known(np.array(third)),
         tuple(budget for budget in budgets if budget in used),
         (lost[0], lost[1], lost[2]),
@@ -170,6 +182,26 @@ def compare_defaults(results: Results, problem: str, learning: bool) -> Array | 
         for name in ("free", "integer")
     )
     return np.asarray(np.log(a / b))
+
+
+def compare_polished(results: Results, search: Search, budget: str) -> tuple[Pair, Pair] | None:
+    """Return free order over order 0 at a budget, before and after further trials for the error."""
+    problem, learning, seed = search.problem, search.learning, search.seed
+    rows = []
+    for name in ("free", "integer"):
+        kept = polished_search(search._replace(configuration=name), budget)
+        numbers = {number for number, _ in results.held_out.get(kept, {})}
+        if len(numbers) != 1 or len(results.held_out[kept]) < SETTINGS:
+            return None
+        rows.append(held_out(results, kept, numbers.pop()))
+    before = compare(results, problem, learning, "free", "integer", [budget], seeds=[seed])
+    if before is None:
+        return None
+    a, b = rows
+    difference = np.log(a / b)
+    lost = (int(np.isnan(a[:, 1]).sum()), int(np.isnan(b[:, 1]).sum()), SETTINGS)
+    after = Pair((difference[:, ERROR],), difference[:, VARIATION], (budget,), lost)
+    return before, after
 
 
 def _judged(results: Results, search: Search) -> bool:

@@ -12,6 +12,7 @@ from tests.benchmarks.fractional_order.comparing import (
     BUDGETS,
     compare,
     compare_defaults,
+    compare_polished,
     designs,
     done_problems,
     held_out,
@@ -20,6 +21,7 @@ from tests.benchmarks.fractional_order.comparing import (
 from tests.benchmarks.fractional_order.configurations import CONFIGURATIONS
 from tests.benchmarks.fractional_order.held_out import LONG_BUDGET, SETTINGS
 from tests.benchmarks.fractional_order.judging import paired_interval
+from tests.benchmarks.fractional_order.polishing import POLISHED
 from tests.benchmarks.fractional_order.settings import LONG
 from tests.benchmarks.fractional_order.store import Search
 from tests.benchmarks.fractional_order.tables import (
@@ -149,6 +151,7 @@ def counts(results: Results) -> str:
                 search
                 for search in results.trials
                 if (search.seed, search.learning) == (seed, learning)
+                and search.configuration in CONFIGURATIONS
             ]
             problems = {search.problem for search in searches}
             finished = [
@@ -194,6 +197,26 @@ def longer(results: Results) -> str:
     return markdown_table(["arm", *head], rows, "lrrrr")
 
 
+def polished(results: Results) -> str:
+    """Return a line per arm and budget: the ratio before and after further trials."""
+    rows = []
+    for search in list(results.trials):
+        if search.configuration != "free":
+            continue
+        for budget in POLISHED:
+            found = compare_polished(results, search, budget)
+            if found is not None:
+                texts = [
+                    text
+                    for pair in found
+                    for text in (ratio_text(pair.ratio), f"{np.exp(np.nanmean(pair.other)):.2f}")
+                ]
+                name = search.problem + (", learning" if search.learning else "")
+                rows.append([f"{name}, seed {search.seed}", budget.replace(" ", " × "), *texts])
+    head = ["arm", "budget", "error", "variation", "error, polished", "variation, polished"]
+    return markdown_table(head, rows, "llrrrr")
+
+
 def all_tables(results: Results) -> dict[str, str]:
     """Return every table of the page by its name."""
     order = "order free over order 0"
@@ -208,6 +231,7 @@ def all_tables(results: Results) -> dict[str, str]:
         "hypervolumes": hypervolumes(results, order),
         "errors_variation": errors(results, "variation 1"),
         "longer": longer(results),
+        "polished": polished(results),
         "errors_peak": errors(results, "peak 1.05"),
     }
     return made

@@ -144,7 +144,7 @@ def _cells(outcome: Outcome) -> Iterator[str]:
 
 
 def _text(value: float | None) -> str:
-    return "" if value is None else repr(value).removesuffix(".0")
+    return "" if value is None else repr(float(value)).removesuffix(".0")
 
 
 def _whole_lines(path: Path) -> list[str]:

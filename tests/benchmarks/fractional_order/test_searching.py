@@ -9,7 +9,7 @@ pytest.importorskip("optuna")
 
 import fotsmc_pin as fp
 from fotsmc_pin.simulation import TickDelay
-from tests.benchmarks.fractional_order import searching
+from tests.benchmarks.fractional_order import polishing, searching
 from tests.benchmarks.fractional_order.configurations import CONFIGURATIONS, SHARED
 from tests.benchmarks.fractional_order.runs import DrawnNoise, Outcome, lost, run
 from tests.benchmarks.fractional_order.settings import (
@@ -19,7 +19,7 @@ from tests.benchmarks.fractional_order.settings import (
     nominal_arm,
     search_setting,
 )
-from tests.benchmarks.fractional_order.store import Search, Store
+from tests.benchmarks.fractional_order.store import Search, Store, Trial
 
 SEARCH = Search("two_link", "free", False, 5)
 
@@ -120,3 +120,29 @@ def test_the_quick_parts_run_what_the_library_runs():
     ours = run(setting, law)
     assert ours.error == pytest.approx(np.sqrt(np.mean(rec.error_norm[tail] ** 2)), rel=1e-5)
     assert ours.peak == pytest.approx(np.abs(rec.tau).max(), rel=1e-5)
+
+
+def test_polishing_lowers_the_error_within_the_budget_and_goes_on(monkeypatch, tmp_path):
+    def bowl(setting, law):
+        error = 1e-3 + abs(np.log(law.gains.theta[0] / 60.0)) + abs(np.log(law.gains.A[0] / 60.0))
+        return Outcome(1e-3 * float(error), float(law.gains.theta[0]), 1.0, 0.5)
+
+    setting = search_setting("two_link", 1)
+    monkeypatch.setattr(polishing, "run", bowl)
+    monkeypatch.setattr(polishing, "held_out_setting", lambda problem, number: setting)
+    monkeypatch.setattr(polishing, "search_setting", lambda problem, seed: setting)
+    start = CONFIGURATIONS["integer"].start
+    first = Trial(start, Outcome(1e-3 * 1.8, 21.0, 1.0, 0.5))
+    search, store = Search("two_link", "integer", False, 5), Store(tmp_path)
+    default = Outcome(1.0, 50.0, 1.0, 0.5)
+    polishing.polish(search, [first], default, store, more=8)
+    polishing.polish(search, [first], default, store, more=30)
+    kept = polishing.polished_search(search, "variation 1")
+    results = store.of(kept)
+    trials = results.trials[kept]
+    best = trials[polishing.best_within(trials, 50.0)].outcome
+    assert len(trials) == 30
+    # The bowl's bottom lies beyond the budget, at theta = 60.
+    assert best.variation <= 50.0
+    assert best.error < 0.8 * first.outcome.error
+    assert polishing.best_within(trials, 50.0) in {number for number, _ in results.held_out[kept]}
