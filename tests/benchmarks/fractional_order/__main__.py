@@ -50,11 +50,11 @@ def study(
                 found = {name: finish(search, store, trials) for name, search in searches.items()}
                 default = found["free"][DEFAULT].outcome
                 for name, search in searches.items():
-                    if further != "polish":
+                    if further not in ("polish", "widen"):
                         long = further == "long"
                         judge_search(search, found[name], default, store, long=long)
                     elif name != "pid":
-                        polish(search, found[name], default, store)
+                        polish(search, found[name], default, store, wide=further == "widen")
                 took = time.monotonic() - started
                 sys.stderr.write(
                     f"{time.strftime('%H:%M:%S')} seed {seed}, {problem}"
@@ -72,9 +72,10 @@ def main() -> None:
     parser.add_argument("--trials", type=int, default=TRIALS)
     parser.add_argument(
         "--further",
-        choices=("", "long", "polish"),
+        choices=("", "long", "polish", "widen"),
         default="",
-        help="run held-out settings for longer; or go on from designs for the error alone",
+        help="run held-out settings for longer; or go on from designs for the error "
+        "alone, in the spans of the search or in wider ones",
     )
     parser.add_argument("--folder", type=Path, default=OUT, help="of the files under way")
     given = parser.parse_args()

@@ -184,12 +184,14 @@ def compare_defaults(results: Results, problem: str, learning: bool) -> Array | 
     return np.asarray(np.log(a / b))
 
 
-def compare_polished(results: Results, search: Search, budget: str) -> tuple[Pair, Pair] | None:
+def compare_polished(
+    results: Results, search: Search, budget: str, *, wide: bool
+) -> tuple[Pair, Pair] | None:
     """Return free order over order 0 at a budget, before and after further trials for the error."""
     problem, learning, seed = search.problem, search.learning, search.seed
     rows = []
     for name in ("free", "integer"):
-        kept = polished_search(search._replace(configuration=name), budget)
+        kept = polished_search(search._replace(configuration=name), budget, wide=wide)
         numbers = {number for number, _ in results.held_out.get(kept, {})}
         if len(numbers) != 1 or len(results.held_out[kept]) < SETTINGS:
             return None

@@ -2,12 +2,14 @@
 
 A search for three objectives at once spreads its trials. If it left one order further from its
 best than the other, the comparison would be one of luck. From the design of a search for a budget
-of torque variation the Nelder-Mead simplex goes on with as many trials for either order.
+of torque variation the Nelder-Mead simplex goes on with as many trials for either order: inside the
+search's own spans, or inside wider ones, in case an order wants to leave them.
 """
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -37,9 +39,24 @@ FIRST_STEP = 0.08
 """Edge of the first simplex, as a share of each gain's span."""
 
 
-def polished_search(search: Search, budget: str) -> Search:
+WIDER = 10.0
+"""Factor by which wider spans reach beyond those of the search, where these are logarithmic."""
+
+
+def polished_search(search: Search, budget: str, *, wide: bool) -> Search:
     """Return the name under which the further trials are kept."""
-    return search._replace(configuration=f"{search.configuration} from {budget}")
+    where = ", wider" if wide else ""
+    return search._replace(configuration=f"{search.configuration} from {budget}{where}")
+
+
+def space_of(configuration: str, *, wide: bool) -> dict[str, Span]:
+    """Return where the further trials look for each gain."""
+    space = dict(CONFIGURATIONS[configuration].space)
+    if wide:
+        for name, span in space.items():
+            if span.logarithmic:
+                space[name] = replace(span, low=span.low / WIDER, high=span.high * WIDER)
+    return space
 
 
 def polish(
@@ -48,6 +65,7 @@ def polish(
     default: Outcome,
     store: Store,
     *,
+    wide: bool = False,
     more: int = MORE_TRIALS,
 ) -> None:
     """Do what is missing: further trials from the design of each budget, and held-out runs."""
@@ -55,8 +73,10 @@ def polish(
     for budget in POLISHED:
         if budget in numbers:
             limit = float(budget.split()[1]) * default.variation
-            done = _descend(search, budget, trials[numbers[budget]], limit, store, more)
-            _judge(search, budget, best_within(done, limit), done, store)
+            kept, start = polished_search(search, budget, wide=wide), trials[numbers[budget]]
+            space = space_of(search.configuration, wide=wide)
+            done = _descend(kept, search.configuration, space, start, limit, store, more)
+            _judge(kept, search.configuration, best_within(done, limit), done, store)
 
 
 def best_within(trials: Sequence[Trial], limit: float) -> int:
@@ -69,21 +89,24 @@ def best_within(trials: Sequence[Trial], limit: float) -> int:
 
 
 def _descend(
-    search: Search, budget: str, start: Trial, limit: float, store: Store, more: int
+    kept: Search,
+    name: str,
+    space: Mapping[str, Span],
+    start: Trial,
+    limit: float,
+    store: Store,
+    more: int,
 ) -> list[Trial]:
-    kept = polished_search(search, budget)
     known = store.of(kept).trials[kept]
-    configuration = CONFIGURATIONS[search.configuration]
-    setting = search_setting(search.problem, search.seed)
+    configuration = CONFIGURATIONS[name]
+    setting = search_setting(kept.problem, kept.seed)
     done: list[Trial] = []
 
     def cost(x: Array) -> float:
         number = len(done)
         gains = {
             name: rounded(between(span, float(share)))
-            for (name, span), share in zip(
-                configuration.space.items(), np.clip(x, 0.0, 1.0), strict=True
-            )
+            for (name, span), share in zip(space.items(), np.clip(x, 0.0, 1.0), strict=True)
         }
         if number == 0:
             gains = dict(start.gains)
@@ -92,14 +115,14 @@ def _descend(
             if dict(trial.gains) != gains:
                 raise RuntimeError(f"{kept.file}: trial {number} was another; take the file away")
         else:
-            law = configuration.controller(setting.nominal, gains, learning=search.learning)
+            law = configuration.controller(setting.nominal, gains, learning=kept.learning)
             trial = Trial(gains, run(setting, law))
             store.add_trial(kept, number, trial)
         done.append(trial)
         excess = max(1.0, trial.outcome.variation / limit)
         return math.log(trial.outcome.error) + STEEPNESS * min(math.log(excess), 10.0)
 
-    x = np.array([share_of(span, start.gains[name]) for name, span in configuration.space.items()])
+    x = np.array([share_of(span, start.gains[name]) for name, span in space.items()])
     steps = np.where(x > 0.5, -FIRST_STEP, FIRST_STEP)
     options: dict[str, Any] = {
         "maxfev": more,
@@ -121,15 +144,13 @@ def share_of(span: Span, value: float) -> float:
     return (at - low) / (high - low)
 
 
-def _judge(search: Search, budget: str, number: int, trials: Sequence[Trial], store: Store) -> None:
-    kept = polished_search(search, budget)
-    known = store.of(kept).held_out[kept]
+def _judge(kept: Search, name: str, number: int, trials: Sequence[Trial], store: Store) -> None:
+    known, gains = store.of(kept).held_out[kept], trials[number].gains
     for k in range(SETTINGS):
         if (number, k) not in known:
-            setting = held_out_setting(search.problem, k)
-            gains: Mapping[str, float] = trials[number].gains
+            setting = held_out_setting(kept.problem, k)
             with trying_anything():
-                law = CONFIGURATIONS[search.configuration].controller(
-                    setting.nominal, gains, learning=search.learning
+                law = CONFIGURATIONS[name].controller(
+                    setting.nominal, gains, learning=kept.learning
                 )
                 store.add_held_out(kept, number, k, run(setting, law))

@@ -36,6 +36,7 @@ from tests.benchmarks.fractional_order.tables import (
 
 if TYPE_CHECKING:
     from fotsmc_pin.types import Array
+    from tests.benchmarks.fractional_order.comparing import Pair
     from tests.benchmarks.fractional_order.store import Results
 
 
@@ -204,17 +205,26 @@ def polished(results: Results) -> str:
         if search.configuration != "free":
             continue
         for budget in POLISHED:
-            found = compare_polished(results, search, budget)
-            if found is not None:
-                texts = [
-                    text
-                    for pair in found
-                    for text in (ratio_text(pair.ratio), f"{np.exp(np.nanmean(pair.other)):.2f}")
-                ]
+            pairs = {
+                wide: compare_polished(results, search, budget, wide=wide) for wide in (False, True)
+            }
+            known = next((pair[0] for pair in pairs.values() if pair is not None), None)
+            if known is not None:
                 name = search.problem + (", learning" if search.learning else "")
+                texts = [ratio_text(known.ratio)]
+                for pair in pairs.values():
+                    texts += [NOTHING] * 2 if pair is None else _cells(pair[1])
                 rows.append([f"{name}, seed {search.seed}", budget.replace(" ", " × "), *texts])
-    head = ["arm", "budget", "error", "variation", "error, polished", "variation, polished"]
-    return markdown_table(head, rows, "llrrrr")
+    head = [
+        f"{what}{where}"
+        for where in (", polished", ", polished in wider spans")
+        for what in ("error", "variation")
+    ]
+    return markdown_table(["arm", "budget", "error", *head], rows, "llrrrrr")
+
+
+def _cells(pair: Pair) -> list[str]:
+    return [ratio_text(pair.ratio), f"{np.exp(np.nanmean(pair.other)):.2f}"]
 
 
 def all_tables(results: Results) -> dict[str, str]:

@@ -137,7 +137,7 @@ def test_polishing_lowers_the_error_within_the_budget_and_goes_on(monkeypatch, t
     default = Outcome(1.0, 50.0, 1.0, 0.5)
     polishing.polish(search, [first], default, store, more=8)
     polishing.polish(search, [first], default, store, more=30)
-    kept = polishing.polished_search(search, "variation 1")
+    kept = polishing.polished_search(search, "variation 1", wide=False)
     results = store.of(kept)
     trials = results.trials[kept]
     best = trials[polishing.best_within(trials, 50.0)].outcome
