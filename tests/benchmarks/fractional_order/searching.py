@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 import warnings
+import zlib
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -49,10 +50,10 @@ def finish(search: Search, store: Store, trials: int = TRIALS) -> list[Trial]:
         sampler = optuna.samplers.NSGAIISampler(
             population_size=POPULATION,
             crossover=optuna.samplers.nsgaii.SBXCrossover(),
-            seed=search.seed,
+            seed=sampler_seed(search),
         )
         study = optuna.create_study(sampler=sampler, directions=["minimize"] * 3)
-        for first in first_generation(search.configuration, search.seed):
+        for first in first_generation(search.configuration, sampler_seed(search)):
             study.enqueue_trial(first)
         done = []
         for number in range(trials):
@@ -67,6 +68,16 @@ def finish(search: Search, store: Store, trials: int = TRIALS) -> list[Trial]:
             study.tell(asked, _objectives(trial.outcome))
             done.append(trial)
     return done
+
+
+def sampler_seed(search: Search) -> int:
+    """Return what seeds the sampler: the same for both orders, another for each arm.
+
+    Of the first seed it is the same for every arm, as that search was run so.
+    """
+    if search.seed == 1:
+        return 1
+    return zlib.crc32(f"{search.problem} {search.seed}".encode())
 
 
 def first_generation(configuration: str, seed: int) -> list[dict[str, float]]:
