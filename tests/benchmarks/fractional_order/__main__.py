@@ -53,7 +53,7 @@ def study(
                     if further not in ("polish", "widen"):
                         long = further == "long"
                         judge_search(search, found[name], default, store, long=long)
-                    elif name != "pid":
+                    elif further == "polish" or name != "pid":
                         polish(search, found[name], default, store, wide=further == "widen")
                 took = time.monotonic() - started
                 sys.stderr.write(

@@ -185,18 +185,18 @@ def compare_defaults(results: Results, problem: str, learning: bool) -> Array | 
 
 
 def compare_polished(
-    results: Results, search: Search, budget: str, *, wide: bool
+    results: Results, search: Search, ours: str, others: str, budget: str, *, wide: bool
 ) -> tuple[Pair, Pair] | None:
-    """Return free order over order 0 at a budget, before and after further trials for the error."""
-    problem, learning, seed = search.problem, search.learning, search.seed
+    """Return how two configurations compare at a budget, before and after further trials."""
     rows = []
-    for name in ("free", "integer"):
+    for name in (ours, others):
         kept = polished_search(search._replace(configuration=name), budget, wide=wide)
         numbers = {number for number, _ in results.held_out.get(kept, {})}
         if len(numbers) != 1 or len(results.held_out[kept]) < SETTINGS:
             return None
         rows.append(held_out(results, kept, numbers.pop()))
-    before = compare(results, problem, learning, "free", "integer", [budget], seeds=[seed])
+    problem, learning, seed = search.problem, search.learning, search.seed
+    before = compare(results, problem, learning, ours, others, [budget], seeds=[seed])
     if before is None:
         return None
     a, b = rows

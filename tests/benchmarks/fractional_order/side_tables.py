@@ -19,7 +19,7 @@ from tests.benchmarks.fractional_order.comparing import (
     seeds_of,
 )
 from tests.benchmarks.fractional_order.configurations import CONFIGURATIONS
-from tests.benchmarks.fractional_order.held_out import LONG_BUDGET, SETTINGS
+from tests.benchmarks.fractional_order.held_out import DEFAULT, LONG_BUDGET, SETTINGS
 from tests.benchmarks.fractional_order.judging import paired_interval
 from tests.benchmarks.fractional_order.polishing import POLISHED
 from tests.benchmarks.fractional_order.settings import LONG
@@ -123,6 +123,7 @@ def errors(results: Results, budget: str) -> str:
     for problem in done_problems(results, False):
         cells = [problem]
         for learning in (False, True):
+            cells.append(_default_text(results, problem, learning))
             for name in CONFIGURATIONS:
                 logs, lost = [], 0
                 for seed in seeds_of(results, problem, learning):
@@ -136,11 +137,20 @@ def errors(results: Results, budget: str) -> str:
                 cells.append(text + (f" ({lost} lost)" if lost else ""))
         rows.append(cells)
     head = [
-        f"{configuration.title}, {LEARNING[learning]}"
+        f"{title}, {LEARNING[learning]}"
         for learning in (False, True)
-        for configuration in CONFIGURATIONS.values()
+        for title in ("defaults", *(each.title for each in CONFIGURATIONS.values()))
     ]
     return markdown_table(["arm", *head], rows, "l" + "r" * len(head))
+
+
+def _default_text(results: Results, problem: str, learning: bool) -> str:
+    """Return the error of the law with its defaults, the mean over the held-out settings [mrad]."""
+    if problem not in done_problems(results, learning):
+        return NOTHING
+    seed = seeds_of(results, problem, learning)[0]
+    found = held_out(results, Search(problem, "free", learning, seed), DEFAULT)
+    return f"{1e3 * math.exp(np.mean(np.log(found[:, 0]))):.3g}"
 
 
 def counts(results: Results) -> str:
@@ -198,22 +208,24 @@ def longer(results: Results) -> str:
     return markdown_table(["arm", *head], rows, "lrrrr")
 
 
-def polished(results: Results) -> str:
+def polished(results: Results, pair: str) -> str:
     """Return a line per arm and budget: the ratio before and after further trials."""
+    ours, others = PAIRS[pair]
     rows = []
     for search in list(results.trials):
         if search.configuration != "free":
             continue
         for budget in POLISHED:
             pairs = {
-                wide: compare_polished(results, search, budget, wide=wide) for wide in (False, True)
+                wide: compare_polished(results, search, ours, others, budget, wide=wide)
+                for wide in (False, True)
             }
-            known = next((pair[0] for pair in pairs.values() if pair is not None), None)
+            known = next((found[0] for found in pairs.values() if found is not None), None)
             if known is not None:
                 name = search.problem + (", learning" if search.learning else "")
                 texts = [ratio_text(known.ratio)]
-                for pair in pairs.values():
-                    texts += [NOTHING] * 2 if pair is None else _cells(pair[1])
+                for found in pairs.values():
+                    texts += [NOTHING] * 2 if found is None else _cells(found[1])
                 rows.append([f"{name}, seed {search.seed}", budget.replace(" ", " × "), *texts])
     head = [
         f"{what}{where}"
@@ -241,7 +253,8 @@ def all_tables(results: Results) -> dict[str, str]:
         "hypervolumes": hypervolumes(results, order),
         "errors_variation": errors(results, "variation 1"),
         "longer": longer(results),
-        "polished": polished(results),
+        "polished": polished(results, order),
+        "pid_polished": polished(results, "PID over order free"),
         "errors_peak": errors(results, "peak 1.05"),
     }
     return made
