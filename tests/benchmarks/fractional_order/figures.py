@@ -94,6 +94,8 @@ def ratio_figure(results: Results) -> Figure:
                 found = [_ratio(results, problem, question, learning) for problem in problems]
                 places = -np.arange(len(problems)) + shift
                 kept = [k for k, each in enumerate(found) if each is not None]
+                if not kept:
+                    continue
                 values = np.array([found[k] for k in kept]).reshape(-1, 3)
                 panel.errorbar(
                     values[:, 0],
