@@ -90,7 +90,7 @@ def main() -> None:
         Store(given.folder).pack()
     elif given.what == "judge":
         for name, table in all_tables(load()).items():
-            write_text(ARCHIVE / f"{name}.md", table)
+            write_text(ARCHIVE / f"{name}.txt", table)
             sys.stdout.write(f"{name}\n\n{table}\n")
     else:
         write_figures(load())
