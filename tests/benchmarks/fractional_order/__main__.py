@@ -20,7 +20,7 @@ from pathlib import Path
 from fotsmc_pin.files import write_text
 from tests.benchmarks.fractional_order.configurations import CONFIGURATIONS
 from tests.benchmarks.fractional_order.figures import write_figures
-from tests.benchmarks.fractional_order.held_out import DEFAULT, judge_search
+from tests.benchmarks.fractional_order.held_out import DEFAULT, carry, judge_search
 from tests.benchmarks.fractional_order.polishing import polish
 from tests.benchmarks.fractional_order.searching import TRIALS, finish
 from tests.benchmarks.fractional_order.settings import PROBLEMS
@@ -50,7 +50,9 @@ def study(
                 found = {name: finish(search, store, trials) for name, search in searches.items()}
                 default = found["free"][DEFAULT].outcome
                 for name, search in searches.items():
-                    if further not in ("polish", "widen"):
+                    if further == "carry":
+                        carry(search, found[name], default, store)
+                    elif further not in ("polish", "widen"):
                         long = further == "long"
                         judge_search(search, found[name], default, store, long=long)
                     elif further == "polish" or name != "pid":
@@ -72,10 +74,10 @@ def main() -> None:
     parser.add_argument("--trials", type=int, default=TRIALS)
     parser.add_argument(
         "--further",
-        choices=("", "long", "polish", "widen"),
+        choices=("", "long", "carry", "polish", "widen"),
         default="",
-        help="run held-out settings for longer; or go on from designs for the error "
-        "alone, in the spans of the search or in wider ones",
+        help="run held-out settings for longer; run designs found without learning with it; or go "
+        "on from designs for the error alone, in the spans of the search or in wider ones",
     )
     parser.add_argument("--folder", type=Path, default=OUT, help="of the files under way")
     given = parser.parse_args()

@@ -6,7 +6,14 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from tests.benchmarks.fractional_order.held_out import DEFAULT, PEAKS, SETTINGS, VARIATIONS, chosen
+from tests.benchmarks.fractional_order.held_out import (
+    DEFAULT,
+    PEAKS,
+    SETTINGS,
+    VARIATIONS,
+    carried,
+    chosen,
+)
 from tests.benchmarks.fractional_order.judging import (
     Interval,
     hypervolume_difference,
@@ -63,9 +70,13 @@ class Pair(NamedTuple):
         return np.mean(self.by_seed, axis=0)
 
 
-def seeds_of(results: Results, problem: str, learning: bool) -> list[int]:
-    """Return the seeds with which every configuration was searched and judged."""
-    wanted = ("integer", "free", "pid")
+def seeds_of(
+    results: Results,
+    problem: str,
+    learning: bool,
+    wanted: Sequence[str] = ("integer", "free", "pid"),
+) -> list[int]:
+    """Return the seeds with which all wanted configurations were searched and judged."""
     every = {search.seed for search in results.trials}
     return sorted(
         seed
@@ -114,7 +125,7 @@ def compare(
     """Return how two configurations compare under budgets; None where both never meet one."""
     column = THIRD[budgets[0].split()[0]]
     by_seed, third, used, lost = [], [], [], [0, 0, 0]
-    for seed in seeds or seeds_of(results, problem, learning):
+    for seed in seeds or seeds_of(results, problem, learning, (ours, others)):
         pair = [Search(problem, name, learning, seed) for name in (ours, others)]
         found = [designs(results, search) for search in pair]
         errors = []
@@ -151,7 +162,7 @@ def compare_fronts(
     Runs that were lost count with the largest torque variation, or peak torque, of all.
     """
     column, found = THIRD[question], []
-    for seed in seeds_of(results, problem, learning):
+    for seed in seeds_of(results, problem, learning, (ours, others)):
         sets = []
         for name in (ours, others):
             search = Search(problem, name, learning, seed)
@@ -204,6 +215,23 @@ def compare_polished(
     lost = (int(np.isnan(a[:, 1]).sum()), int(np.isnan(b[:, 1]).sum()), SETTINGS)
     after = Pair((difference[:, ERROR],), difference[:, VARIATION], (budget,), lost)
     return before, after
+
+
+def compare_carried(
+    results: Results, problem: str, ours: str, others: str, budget: str
+) -> Pair | None:
+    """Return how two configurations compare with learning, by designs found without it."""
+    rows = []
+    for name in (ours, others):
+        search = Search(problem, name, False, 1)
+        kept, number = carried(search), designs(results, search).get(budget)
+        if number is None or (number, SETTINGS - 1) not in results.held_out.get(kept, {}):
+            return None
+        rows.append(held_out(results, kept, number))
+    a, b = rows
+    difference = np.log(a / b)
+    lost = (int(np.isnan(a[:, 1]).sum()), int(np.isnan(b[:, 1]).sum()), SETTINGS)
+    return Pair((np.log(a[:, ERROR] / b[:, ERROR]),), difference[:, VARIATION], (budget,), lost)
 
 
 def _judged(results: Results, search: Search) -> bool:

@@ -25,7 +25,7 @@ from tests.benchmarks.fractional_order.judging import front
 from tests.benchmarks.fractional_order.settings import PROBLEMS
 from tests.benchmarks.fractional_order.side_tables import chosen_orders
 from tests.benchmarks.fractional_order.store import ROOT, Search
-from tests.benchmarks.fractional_order.tables import LEARNING, POOLED, pooled
+from tests.benchmarks.fractional_order.tables import LEARNING, POOLED, pooled, worlds
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -90,7 +90,8 @@ def ratio_figure(results: Results) -> Figure:
     with paper_style():
         figure, axes = new_figure(1, 2, width="page", row_height=2.9)
         for panel, question in zip(axes[0], BUDGETS, strict=True):
-            for shift, learning in ((0.14, False), (-0.14, True)):
+            for learning in worlds(results):
+                shift = 0.14 - 0.28 * learning if len(worlds(results)) > 1 else 0.0
                 found = [_ratio(results, problem, question, learning) for problem in problems]
                 places = -np.arange(len(problems)) + shift
                 kept = [k for k, each in enumerate(found) if each is not None]
@@ -114,7 +115,8 @@ def ratio_figure(results: Results) -> Figure:
             panel.set_title(f"equal {'peak torque' if question == 'peak' else 'torque variation'}")
             panel.set_xlabel("error with α free over error with α = 0")
             _label_decades(panel.xaxis)
-        axes[0, 0].legend(loc="best")
+        if len(worlds(results)) > 1:
+            axes[0, 0].legend(loc="best")
     return figure
 
 
@@ -124,7 +126,8 @@ def order_figure(results: Results) -> Figure:
     with paper_style():
         figure, axes = new_figure(1, 1, width="page", row_height=2.0)
         panel = axes[0, 0]
-        for shift, learning in ((-0.13, False), (0.13, True)):
+        for learning in worlds(results):
+            shift = 0.26 * learning - 0.13 if len(worlds(results)) > 1 else 0.0
             for place, budget in enumerate(budgets):
                 found = chosen_orders(results, learning, budget)
                 if len(found):
@@ -146,7 +149,8 @@ def order_figure(results: Results) -> Figure:
         panel.set_xticks(range(len(budgets)), [budget.replace(" ", "\n× ") for budget in budgets])
         panel.set_ylabel("order α")
         panel.set_ylim(-0.03, 0.93)
-        panel.legend(loc="upper right", ncols=2)
+        if len(worlds(results)) > 1:
+            panel.legend(loc="upper right", ncols=2)
     return figure
 
 

@@ -24,6 +24,8 @@ MOST_VARIATION = 2.0
 """Budget of torque variation that holds beside every budget of peak torque: beyond, drives hum."""
 LONG_BUDGET = "variation 1"
 """Budget whose trial is run for longer too, in the sinusoids."""
+CARRIED = ("variation 0.5", "variation 1")
+"""Budgets whose trials of a search without learning are run with learning too."""
 DEFAULT = 0
 """Number of the trial with the law's defaults."""
 
@@ -85,6 +87,28 @@ def judge_search(
                 gains = trials[number].gains
                 law = configuration.controller(setting.nominal, gains, learning=search.learning)
                 store.add_held_out(search, number, k, run(setting, law))
+
+
+def carried(search: Search) -> Search:
+    """Return the name under which designs of a search without learning are kept with learning."""
+    return search._replace(configuration=f"{search.configuration}, found without", learning=True)
+
+
+def carry(search: Search, trials: Sequence[Trial], default: Outcome, store: Store) -> None:
+    """Run what is missing of designs that were found without learning, with learning."""
+    kept, numbers = carried(search), chosen(trials, default)
+    known = store.of(kept).held_out[kept]
+    judged = sorted({numbers[budget] for budget in CARRIED if budget in numbers})
+    for k in range(SETTINGS):
+        missing = [number for number in judged if (number, k) not in known]
+        if missing:
+            setting = held_out_setting(search.problem, k)
+            configuration = CONFIGURATIONS[search.configuration]
+            with trying_anything():
+                for number in missing:
+                    gains = trials[number].gains
+                    law = configuration.controller(setting.nominal, gains, learning=True)
+                    store.add_held_out(kept, number, k, run(setting, law))
 
 
 def _best(trials: Sequence[Trial], variation: float, peak: float) -> int | None:

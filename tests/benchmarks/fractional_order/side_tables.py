@@ -11,6 +11,7 @@ from fotsmc_pin.files import markdown_table
 from tests.benchmarks.fractional_order.comparing import (
     BUDGETS,
     compare,
+    compare_carried,
     compare_defaults,
     compare_polished,
     designs,
@@ -19,19 +20,22 @@ from tests.benchmarks.fractional_order.comparing import (
     seeds_of,
 )
 from tests.benchmarks.fractional_order.configurations import CONFIGURATIONS
-from tests.benchmarks.fractional_order.held_out import DEFAULT, LONG_BUDGET, SETTINGS
-from tests.benchmarks.fractional_order.judging import paired_interval
+from tests.benchmarks.fractional_order.held_out import CARRIED, DEFAULT, LONG_BUDGET, SETTINGS
+from tests.benchmarks.fractional_order.judging import paired_interval, pooled_interval
 from tests.benchmarks.fractional_order.polishing import POLISHED
+from tests.benchmarks.fractional_order.searching import TRIALS
 from tests.benchmarks.fractional_order.settings import LONG
 from tests.benchmarks.fractional_order.store import Search
 from tests.benchmarks.fractional_order.tables import (
     LEARNING,
     NOTHING,
     PAIRS,
+    POOLED,
     hypervolumes,
     per_arm,
     per_budget,
     ratio_text,
+    worlds,
 )
 
 if TYPE_CHECKING:
@@ -45,9 +49,9 @@ def per_seed(results: Results, pair: str) -> str:
     ours, others = PAIRS[pair]
     seeds = sorted({search.seed for search in results.trials})
     rows = []
-    for learning in (False, True):
+    for learning in worlds(results):
         for problem in done_problems(results, learning):
-            done = seeds_of(results, problem, learning)
+            done = seeds_of(results, problem, learning, (ours, others))
             cells = [f"{problem}, {LEARNING[learning]}"]
             for question in BUDGETS:
                 for seed in seeds:
@@ -75,7 +79,7 @@ def orders(results: Results) -> str:
     rows = []
     for budget in (*BUDGETS["variation"], *BUDGETS["peak"]):
         cells = [budget.replace(" ", " × ")]
-        for learning in (False, True):
+        for learning in worlds(results):
             found = chosen_orders(results, learning, budget)
             if len(found):
                 low, middle, high = np.quantile(found, (0.0, 0.5, 1.0))
@@ -83,7 +87,8 @@ def orders(results: Results) -> str:
             else:
                 cells.append(NOTHING)
         rows.append(cells)
-    return markdown_table(["budget", *LEARNING.values()], rows, "lrr")
+    head = [LEARNING[learning] for learning in worlds(results)]
+    return markdown_table(["budget", *head], rows, "l" + "r" * len(head))
 
 
 def chosen_orders(results: Results, learning: bool, budget: str) -> Array:
@@ -103,7 +108,7 @@ def defaults(results: Results) -> str:
     rows = []
     for problem in done_problems(results, False):
         cells = [problem]
-        for learning in (False, True):
+        for learning in worlds(results):
             found = compare_defaults(results, problem, learning)
             for column in range(3):
                 if found is None:
@@ -113,8 +118,8 @@ def defaults(results: Results) -> str:
                     cells.append(ratio_text(interval.mapped(np.exp)))
         rows.append(cells)
     what = ("error", "variation", "peak")
-    head = [f"{each}, {LEARNING[learning]}" for learning in (False, True) for each in what]
-    return markdown_table(["arm", *head], rows, "lrrrrrr")
+    head = [f"{each}, {LEARNING[learning]}" for learning in worlds(results) for each in what]
+    return markdown_table(["arm", *head], rows, "l" + "r" * len(head))
 
 
 def errors(results: Results, budget: str) -> str:
@@ -122,7 +127,7 @@ def errors(results: Results, budget: str) -> str:
     rows = []
     for problem in done_problems(results, False):
         cells = [problem]
-        for learning in (False, True):
+        for learning in worlds(results):
             cells.append(_default_text(results, problem, learning))
             for name in CONFIGURATIONS:
                 logs, lost = [], 0
@@ -138,7 +143,7 @@ def errors(results: Results, budget: str) -> str:
         rows.append(cells)
     head = [
         f"{title}, {LEARNING[learning]}"
-        for learning in (False, True)
+        for learning in worlds(results)
         for title in ("defaults", *(each.title for each in CONFIGURATIONS.values()))
     ]
     return markdown_table(["arm", *head], rows, "l" + "r" * len(head))
@@ -154,28 +159,33 @@ def _default_text(results: Results, problem: str, learning: bool) -> str:
 
 
 def counts(results: Results) -> str:
-    """Return what was run, in a line per seed and world."""
+    """Return what was run, in a line per kind of search."""
     rows = []
-    for seed in sorted({search.seed for search in results.trials}):
-        for learning in (False, True):
-            searches = [
-                search
-                for search in results.trials
-                if (search.seed, search.learning) == (seed, learning)
-                and search.configuration in CONFIGURATIONS
-            ]
-            problems = {search.problem for search in searches}
-            finished = [
-                problem for problem in problems if seed in seeds_of(results, problem, learning)
-            ]
-            if finished:
-                trials = sum(len(results.trials[s]) for s in searches if s.problem in finished)
-                runs = sum(len(results.held_out[s]) for s in searches if s.problem in finished)
-                rows.append(
-                    [str(seed), LEARNING[learning], str(len(finished)), str(trials), str(runs)]
-                )
-    head = ["seed", "", "arms and the paper's case", "trials", "held-out runs"]
-    return markdown_table(head, rows, "llrrr")
+    for learning in (False, True):
+        for seed in (1, 2, 3):
+            for name in CONFIGURATIONS:
+                whole = [
+                    search
+                    for search, trials in results.trials.items()
+                    if search[1:] == (name, learning, seed) and len(trials) >= TRIALS
+                ]
+                if whole:
+                    trials = sum(len(results.trials[search]) for search in whole)
+                    runs = sum(len(results.held_out.get(search, {})) for search in whole)
+                    cells = [CONFIGURATIONS[name].title, LEARNING[learning], str(seed)]
+                    rows.append([*cells, str(len(whole)), str(trials), str(runs)])
+    further = [search for search in results.trials if " from " in search.configuration]
+    if further:
+        trials = sum(len(results.trials[search]) for search in further)
+        runs = sum(len(results.held_out.get(search, {})) for search in further)
+        rows.append(
+            ["further trials", LEARNING[False], "1", str(len(further)), str(trials), str(runs)]
+        )
+    runs = sum(len(kept) for search, kept in results.held_out.items() if "found" in search[1])
+    if runs:
+        rows.append(["found without learning", LEARNING[True], "1", NOTHING, NOTHING, str(runs)])
+    head = ["configuration", "", "seed", "searches", "trials", "held-out runs"]
+    return markdown_table(head, rows, "llrrrr")
 
 
 def longer(results: Results) -> str:
@@ -239,6 +249,36 @@ def _cells(pair: Pair) -> list[str]:
     return [ratio_text(pair.ratio), f"{np.exp(np.nanmean(pair.other)):.2f}"]
 
 
+def with_learning(results: Results) -> str:
+    """Return a line per arm: ratios with learning, by designs that were found without it."""
+    pairs, rows = (("free", "integer"), ("pid", "free")), []
+    for problem in done_problems(results, False):
+        cells = [problem]
+        for ours, others in pairs:
+            for budget in CARRIED:
+                found = compare_carried(results, problem, ours, others, budget)
+                cells += [NOTHING] * 2 if found is None else _cells(found)
+        if any(cell != NOTHING for cell in cells[1:]):
+            rows.append(cells)
+    last = [f"**{POOLED}**"]
+    for ours, others in pairs:
+        for budget in CARRIED:
+            every = [
+                compare_carried(results, problem, ours, others, budget)
+                for problem in done_problems(results, False)
+            ]
+            groups = [found.differences for found in every if found is not None]
+            text = ratio_text(pooled_interval(groups).mapped(np.exp)) if groups else NOTHING
+            last += [text, ""]
+    head = [
+        f"{title} at {budget.replace(' ', ' × ')}" if what == "error" else what
+        for title in ("α free over α = 0", "PID over α free")
+        for budget in CARRIED
+        for what in ("error", "variation")
+    ]
+    return markdown_table(["arm", *head], [*rows, last], "l" + "r" * len(head))
+
+
 def all_tables(results: Results) -> dict[str, str]:
     """Return every table of the page by its name."""
     order = "order free over order 0"
@@ -253,8 +293,8 @@ def all_tables(results: Results) -> dict[str, str]:
         "hypervolumes": hypervolumes(results, order),
         "errors_variation": errors(results, "variation 1"),
         "longer": longer(results),
+        "with_learning": with_learning(results),
         "polished": polished(results, order),
         "pid_polished": polished(results, "PID over order free"),
-        "errors_peak": errors(results, "peak 1.05"),
     }
     return made

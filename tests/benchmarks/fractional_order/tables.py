@@ -32,6 +32,11 @@ PAIRS = {
 POOLED = "all arms"
 
 
+def worlds(results: Results) -> list[bool]:
+    """Return whether there are searches without learning, and with it, in this order."""
+    return [learning for learning in LEARNING if done_problems(results, learning)]
+
+
 def ratio_text(interval: Interval | None) -> str:
     """Return "0.93 (0.85 to 1.02)", in bold where 1 lies outside."""
     if interval is None:
@@ -61,7 +66,7 @@ def per_arm(results: Results, pair: str, question: str) -> str:
     budgets, rows = BUDGETS[question], []
     for problem in done_problems(results, False):
         cells = [problem]
-        for learning in (False, True):
+        for learning in worlds(results):
             found = (
                 compare(results, problem, learning, ours, others, budgets)
                 if problem in done_problems(results, learning)
@@ -70,19 +75,19 @@ def per_arm(results: Results, pair: str, question: str) -> str:
             cells += _cells(found)
         rows.append(cells)
     last = [f"**{POOLED}**"]
-    for learning in (False, True):
+    for learning in worlds(results):
         last += [ratio_text(pooled(results, learning, ours, others, budgets)), "", ""]
     return markdown_table(
         [
             "arm",
             *(
                 f"{what}, {LEARNING[learning]}"
-                for learning in (False, True)
+                for learning in worlds(results)
                 for what in ("error", question, "budgets")
             ),
         ],
         [*rows, last],
-        "lrrrrrr",
+        "lrrr" + "rrr" * (len(last) > 4),
     )
 
 
@@ -92,7 +97,7 @@ def per_budget(results: Results, pair: str) -> str:
     rows = []
     for budget in (*BUDGETS["variation"], *BUDGETS["peak"]):
         cells = [budget.replace(" ", " × ")]
-        for learning in (False, True):
+        for learning in worlds(results):
             arms = [
                 problem
                 for problem in done_problems(results, learning)
@@ -101,8 +106,8 @@ def per_budget(results: Results, pair: str) -> str:
             ]
             cells += [ratio_text(pooled(results, learning, ours, others, [budget])), str(len(arms))]
         rows.append(cells)
-    head = [f"{what}, {LEARNING[x]}" for x in (False, True) for what in ("error", "arms")]
-    return markdown_table(["budget", *head], rows, "lrrrr")
+    head = [f"{what}, {LEARNING[x]}" for x in worlds(results) for what in ("error", "arms")]
+    return markdown_table(["budget", *head], rows, "l" + "r" * len(head))
 
 
 def hypervolumes(results: Results, pair: str) -> str:
@@ -111,15 +116,15 @@ def hypervolumes(results: Results, pair: str) -> str:
     rows = []
     for problem in done_problems(results, False):
         cells = [problem]
-        for learning in (False, True):
+        for learning in worlds(results):
             for question in BUDGETS:
                 found = None
                 if problem in done_problems(results, learning):
                     found = compare_fronts(results, problem, learning, ours, others, question)
                 cells.append(_difference_text(found))
         rows.append(cells)
-    head = [f"{question}, {LEARNING[x]}" for x in (False, True) for question in BUDGETS]
-    return markdown_table(["arm", *head], rows, "lrrrr")
+    head = [f"{question}, {LEARNING[x]}" for x in worlds(results) for question in BUDGETS]
+    return markdown_table(["arm", *head], rows, "l" + "r" * len(head))
 
 
 def _cells(pair: object) -> list[str]:
