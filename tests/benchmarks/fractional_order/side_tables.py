@@ -1,0 +1,297 @@
+"""The tables of the page on single searches, orders, defaults and what was run."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fotsmc_pin.files import markdown_table
+from tests.benchmarks.fractional_order.comparing import (
+    BUDGETS,
+    compare,
+    compare_carried,
+    compare_defaults,
+    compare_polished,
+    designs,
+    done_problems,
+    held_out,
+    seeds_of,
+)
+from tests.benchmarks.fractional_order.configurations import CONFIGURATIONS
+from tests.benchmarks.fractional_order.held_out import CARRIED, DEFAULT, LONG_BUDGET, SETTINGS
+from tests.benchmarks.fractional_order.judging import paired_interval, pooled_interval
+from tests.benchmarks.fractional_order.polishing import POLISHED
+from tests.benchmarks.fractional_order.searching import TRIALS
+from tests.benchmarks.fractional_order.settings import LONG
+from tests.benchmarks.fractional_order.store import Search
+from tests.benchmarks.fractional_order.tables import (
+    LEARNING,
+    NOTHING,
+    PAIRS,
+    POOLED,
+    hypervolumes,
+    per_arm,
+    per_budget,
+    ratio_text,
+    worlds,
+)
+
+if TYPE_CHECKING:
+    from fotsmc_pin.types import Array
+    from tests.benchmarks.fractional_order.comparing import Pair
+    from tests.benchmarks.fractional_order.store import Results
+
+
+def per_seed(results: Results, pair: str) -> str:
+    """Return a line per arm and world, a column per seed: the ratio of errors by one search."""
+    ours, others = PAIRS[pair]
+    seeds = sorted({search.seed for search in results.trials})
+    rows = []
+    for learning in worlds(results):
+        for problem in done_problems(results, learning):
+            done = seeds_of(results, problem, learning, (ours, others))
+            cells = [f"{problem}, {LEARNING[learning]}"]
+            for question in BUDGETS:
+                for seed in seeds:
+                    found = (
+                        compare(
+                            results,
+                            problem,
+                            learning,
+                            ours,
+                            others,
+                            BUDGETS[question],
+                            seeds=[seed],
+                        )
+                        if seed in done
+                        else None
+                    )
+                    cells.append(NOTHING if found is None else ratio_text(found.ratio))
+            rows.append(cells)
+    head = [f"{question}, seed {seed}" for question in BUDGETS for seed in seeds]
+    return markdown_table(["arm", *head], rows, "l" + "r" * len(head))
+
+
+def orders(results: Results) -> str:
+    """Return a line per budget: the orders that the search with a free order ended at."""
+    rows = []
+    for budget in (*BUDGETS["variation"], *BUDGETS["peak"]):
+        cells = [budget.replace(" ", " × ")]
+        for learning in worlds(results):
+            found = chosen_orders(results, learning, budget)
+            if len(found):
+                low, middle, high = np.quantile(found, (0.0, 0.5, 1.0))
+                cells.append(f"{middle:.2f} ({low:.2f} to {high:.2f})")
+            else:
+                cells.append(NOTHING)
+        rows.append(cells)
+    head = [LEARNING[learning] for learning in worlds(results)]
+    return markdown_table(["budget", *head], rows, "l" + "r" * len(head))
+
+
+def chosen_orders(results: Results, learning: bool, budget: str) -> Array:
+    """Return the order of each design that the search with a free order has for a budget."""
+    found = []
+    for problem in done_problems(results, learning):
+        for seed in seeds_of(results, problem, learning):
+            search = Search(problem, "free", learning, seed)
+            number = designs(results, search).get(budget)
+            if number is not None:
+                found.append(results.trials[search][number].gains["alpha"])
+    return np.array(found)
+
+
+def defaults(results: Results) -> str:
+    """Return a line per arm: order 0.3 over order 0, all other gains at their defaults."""
+    rows = []
+    for problem in done_problems(results, False):
+        cells = [problem]
+        for learning in worlds(results):
+            found = compare_defaults(results, problem, learning)
+            for column in range(3):
+                if found is None:
+                    cells.append(NOTHING)
+                else:
+                    interval = paired_interval(found[:, column])
+                    cells.append(ratio_text(interval.mapped(np.exp)))
+        rows.append(cells)
+    what = ("error", "variation", "peak")
+    head = [f"{each}, {LEARNING[learning]}" for learning in worlds(results) for each in what]
+    return markdown_table(["arm", *head], rows, "l" + "r" * len(head))
+
+
+def errors(results: Results, budget: str) -> str:
+    """Return a line per arm: held-out errors of each configuration at a budget [mrad]."""
+    rows = []
+    for problem in done_problems(results, False):
+        cells = [problem]
+        for learning in worlds(results):
+            cells.append(_default_text(results, problem, learning))
+            for name in CONFIGURATIONS:
+                logs, lost = [], 0
+                for seed in seeds_of(results, problem, learning):
+                    search = Search(problem, name, learning, seed)
+                    number = designs(results, search).get(budget)
+                    if number is not None:
+                        found = held_out(results, search, number)
+                        logs.append(np.log(1e3 * found[:, 0]))
+                        lost += int(np.isnan(found[:, 1]).sum())
+                text = f"{math.exp(np.mean(logs)):.3g}" if logs else NOTHING
+                cells.append(text + (f" ({lost} lost)" if lost else ""))
+        rows.append(cells)
+    head = [
+        f"{title}, {LEARNING[learning]}"
+        for learning in worlds(results)
+        for title in ("defaults", *(each.title for each in CONFIGURATIONS.values()))
+    ]
+    return markdown_table(["arm", *head], rows, "l" + "r" * len(head))
+
+
+def _default_text(results: Results, problem: str, learning: bool) -> str:
+    """Return the error of the law with its defaults, the mean over the held-out settings [mrad]."""
+    seed = seeds_of(results, problem, learning)[0]
+    found = held_out(results, Search(problem, "free", learning, seed), DEFAULT)
+    return f"{1e3 * math.exp(np.mean(np.log(found[:, 0]))):.3g}"
+
+
+def counts(results: Results) -> str:
+    """Return what was run, in a line per kind of search."""
+    rows = []
+    for learning in (False, True):
+        for seed in (1, 2, 3):
+            for name in CONFIGURATIONS:
+                whole = [
+                    search
+                    for search, trials in results.trials.items()
+                    if search[1:] == (name, learning, seed) and len(trials) >= TRIALS
+                ]
+                if whole:
+                    trials = sum(len(results.trials[search]) for search in whole)
+                    runs = sum(len(results.held_out.get(search, {})) for search in whole)
+                    cells = [CONFIGURATIONS[name].title, LEARNING[learning], str(seed)]
+                    rows.append([*cells, str(len(whole)), str(trials), str(runs)])
+    further = [search for search in results.trials if " from " in search.configuration]
+    if further:
+        trials = sum(len(results.trials[search]) for search in further)
+        runs = sum(len(results.held_out.get(search, {})) for search in further)
+        rows.append(
+            ["further trials", LEARNING[False], "1", str(len(further)), str(trials), str(runs)]
+        )
+    runs = sum(len(kept) for search, kept in results.held_out.items() if "found" in search[1])
+    if runs:
+        rows.append(["found without learning", LEARNING[True], "1", NOTHING, NOTHING, str(runs)])
+    head = ["configuration", "", "seed", "searches", "trials", "held-out runs"]
+    return markdown_table(head, rows, "llrrrr")
+
+
+def longer(results: Results) -> str:
+    """Return a line per arm: the ratios of errors from 1 to 2 s, and from 3 to 4 s, at a budget."""
+    sines, rows = range(0, SETTINGS, 2), []
+    for problem in done_problems(results, False):
+        search = Search(problem, "free", False, seeds_of(results, problem, False)[0])
+        if not any(k >= LONG for _, k in results.held_out[search]):
+            continue
+        cells = [problem]
+        for ours, others in (("free", "integer"), ("pid", "free")):
+            for settings in (sines, [LONG + k for k in sines]):
+                found = compare(
+                    results,
+                    problem,
+                    False,
+                    ours,
+                    others,
+                    [LONG_BUDGET],
+                    seeds=[search.seed],
+                    settings=settings,
+                )
+                cells.append(NOTHING if found is None else ratio_text(found.ratio))
+        rows.append(cells)
+    head = [
+        f"{pair}, {span}"
+        for pair in ("α free over α = 0", "PID over α free")
+        for span in ("1 to 2 s", "3 to 4 s")
+    ]
+    return markdown_table(["arm", *head], rows, "lrrrr")
+
+
+def polished(results: Results, pair: str) -> str:
+    """Return a line per arm and budget: the ratio before and after further trials."""
+    ours, others = PAIRS[pair]
+    rows = []
+    for search in list(results.trials):
+        if search.configuration != "free":
+            continue
+        for budget in POLISHED:
+            pairs = {
+                wide: compare_polished(results, search, ours, others, budget, wide=wide)
+                for wide in (False, True)
+            }
+            known = next((found[0] for found in pairs.values() if found is not None), None)
+            if known is not None:
+                name = search.problem + (", learning" if search.learning else "")
+                texts = [ratio_text(known.ratio)]
+                for found in pairs.values():
+                    texts += [NOTHING] * 2 if found is None else _cells(found[1])
+                rows.append([f"{name}, seed {search.seed}", budget.replace(" ", " × "), *texts])
+    head = [
+        f"{what}{where}"
+        for where in (", polished", ", polished in wider spans")
+        for what in ("error", "variation")
+    ]
+    return markdown_table(["arm", "budget", "error", *head], rows, "llrrrrr")
+
+
+def _cells(pair: Pair) -> list[str]:
+    return [ratio_text(pair.ratio), f"{np.exp(np.nanmean(pair.other)):.2f}"]
+
+
+def with_learning(results: Results) -> str:
+    """Return a line per arm: ratios with learning, by designs that were found without it."""
+    pairs, rows = (("free", "integer"), ("pid", "free")), []
+    for problem in done_problems(results, False):
+        cells = [problem]
+        for ours, others in pairs:
+            for budget in CARRIED:
+                found = compare_carried(results, problem, ours, others, budget)
+                cells += [NOTHING] * 2 if found is None else _cells(found)
+        if any(cell != NOTHING for cell in cells[1:]):
+            rows.append(cells)
+    last = [f"**{POOLED}**"]
+    for ours, others in pairs:
+        for budget in CARRIED:
+            every = [
+                compare_carried(results, problem, ours, others, budget)
+                for problem in done_problems(results, False)
+            ]
+            groups = [found.differences for found in every if found is not None]
+            text = ratio_text(pooled_interval(groups).mapped(np.exp)) if groups else NOTHING
+            last += [text, ""]
+    head = [
+        f"{title} at {budget.replace(' ', ' × ')}" if what == "error" else what
+        for title in ("α free over α = 0", "PID over α free")
+        for budget in CARRIED
+        for what in ("error", "variation")
+    ]
+    return markdown_table(["arm", *head], [*rows, last], "l" + "r" * len(head))
+
+
+def all_tables(results: Results) -> dict[str, str]:
+    """Return every table of the page by its name."""
+    order = "order free over order 0"
+    made = {"counts": counts(results), "orders": orders(results), "defaults": defaults(results)}
+    made |= {f"order_{question}": per_arm(results, order, question) for question in BUDGETS}
+    made |= {
+        f"pid_{question}": per_arm(results, "PID over order free", question) for question in BUDGETS
+    }
+    made |= {
+        "budgets": per_budget(results, order),
+        "seeds": per_seed(results, order),
+        "hypervolumes": hypervolumes(results, order),
+        "errors_variation": errors(results, "variation 1"),
+        "longer": longer(results),
+        "with_learning": with_learning(results),
+        "polished": polished(results, order),
+    }
+    return made
