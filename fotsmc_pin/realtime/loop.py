@@ -94,7 +94,9 @@ def run_realtime(
                 t = clock.note_read()
                 target = reference(min(t, duration))
                 before = time.perf_counter()
-                tau = controller.update(q, v, *target, dt=clock.period if ticks else None)
+                wanted, rate, change = target
+                period = clock.period if ticks else None
+                tau = controller.update(q, v, wanted, rate, change, dt=period)
                 compute[ticks] = time.perf_counter() - before
                 robot.write(controller.sent)
                 latency[ticks] = clock.latency()
