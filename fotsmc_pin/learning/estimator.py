@@ -199,8 +199,8 @@ def take_row(j: int, duration: float, joints: JointRows, Y: Array, b: Beliefs, P
     known = 0.0
     for c in range(columns):
         known += Y[j, c] * g[place(j, c, n)]
-    k = place(j, shared_columns(n) + 2, n)
-    friction = b.estimate[k] ** 2 + DOUBTED**2 * P[k, k]  # Squared.
+    rubbing = place(j, shared_columns(n) + 2, n)
+    friction = b.estimate[rubbing] ** 2 + DOUBTED**2 * P[rubbing, rubbing]  # Squared.
     noise = joints.noise[j] + (STICKING * joints.idle[j]) ** 2 * friction
     surprise = min(error * error / (noise + known), MOST_SURPRISE)
     joints.surprise[j] += SURPRISE_RATE * duration * (surprise - joints.surprise[j])

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 LENGTH, THRESHOLD = 0.1, 0.01
 """Way that a radian counts as, and singular value below which a direction is given up, both over
 the arm's reach."""
-SNAPSHOT = 0.8
+SNAPSHOT = 0.5
 """Share of an effort limit from which the law's memory is kept, in case the limit cuts in."""
 
 
@@ -208,9 +208,11 @@ class TaskSpace(TaskMemory):
         """Let the law act once more, told what force the torque limits leave, for its memory."""
         force, left = self.law.joints.tau, self._t.x[: len(self.directions)]
         limits = np.where(np.abs(left) < np.abs(force), np.abs(left), np.inf)
-        for now, kept in self._kept:
+        x = self.law.joints
+        seen = [(row, row.copy()) for row in (x.e, x.e_dot, x.v, x.v_d, x.a_d)]
+        for now, kept in (*self._kept, *seen):  # The memory of before, and what was seen since.
             now[:] = kept
-        effort_limit = self.law.joints.effort_limit
+        effort_limit = x.effort_limit
         effort_limit[:] = limits
         code, arguments = self._acting
         code(dt, *arguments)

@@ -59,7 +59,7 @@ def test_limits_and_learning_go_around_a_task_together(ur5, swing):
 
 
 def test_a_live_pose_leads_the_tool(ur5):
-    live = fp.LiveTarget(ur5, q0=READY, timeout=np.inf)
+    live = fp.references.LiveTarget(ur5, q0=READY, timeout=np.inf)
     goal = ur5.tool_pose(READY)
     goal.translation = goal.translation + np.array([0.0, 0.04, 0.02])
     assert live.set_pose(goal) < 1e-5
