@@ -113,7 +113,9 @@ def tune(
 
     with reporting(progress, f"tuning {law.__name__}") as report, trying_anything():
         while (done := len(_finished(optuna, search))) < trials:
-            search.optimize(cost, n_trials=1)
+            # Not `optimize`, out of which an interrupt comes as another error while it writes.
+            trial = search.ask()
+            search.tell(trial, cost(trial))
             report((done + 1) / trials)
     return sorted(
         (
