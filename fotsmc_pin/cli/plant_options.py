@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fotsmc_pin.cli.values import VALUE, number, values_by_name
+from fotsmc_pin.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from fotsmc_pin.arms import Arm
+    from fotsmc_pin.arms import Arm, Payload
 
 PANEL = "How the true arm differs"
 
@@ -71,20 +72,28 @@ class PlantOptions:
         """Whether anything but the seed was given."""
         return any(getattr(self, f.name) != f.default for f in fields(self) if f.name != "seed")
 
+    def _held(self) -> Payload | None:
+        from fotsmc_pin.arms import Payload
+
+        kilograms = number("--payload", self.payload)
+        try:
+            return Payload(mass=kilograms, frame=self.payload_frame) if kilograms else None
+        except ArgumentError as error:
+            raise ArgumentError("--payload", self.payload, error.remedy) from None
+
     def apply(self, arm: Arm) -> Arm:
         """Return the arm with all of this done to it.
 
         Raises:
             ArgumentError: an option cannot be used.
         """
-        from fotsmc_pin.arms import Payload, perturb
+        from fotsmc_pin.arms import perturb
 
-        kilograms = number("--payload", self.payload)
         given: dict[str, Any] = {
             "mass_scale": values_by_name("--mass-scale", self.mass_scale, None),
             "inertia_scale": values_by_name("--inertia-scale", self.inertia_scale, None),
             "com_shift": values_by_name("--com-shift", self.com_shift, None),
-            "payload": Payload(mass=kilograms, frame=self.payload_frame) if kilograms else None,
+            "payload": self._held(),
             "friction": values_by_name("--friction", self.friction, None),
             "damping": values_by_name("--damping", self.damping, None),
             "armature": values_by_name("--true-armature", self.true_armature, None),

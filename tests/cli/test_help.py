@@ -112,6 +112,7 @@ def test_a_wrong_word_is_answered_with_the_near_one_in_one_line(fotsmc, tmp_path
 def test_an_error_speaks_of_the_option_as_it_is_typed(fotsmc):
     assert "--tool-frame = 'hand'" in fotsmc("inspect", "panda", "--tool-frame", "hand").stderr
     assert "--mass-scale" in fotsmc("simulate", "two_link", "--mass-scale", "-1").stderr
+    assert "--payload = '-2'" in fotsmc("simulate", "two_link", "--payload", "-2").stderr
 
 
 def test_the_shell_completes_arms_laws_and_references(fotsmc):
