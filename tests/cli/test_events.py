@@ -48,7 +48,7 @@ def test_events_at_one_time_act_together():
         ("3:seed=2", "it can change mass-scale"),
         ("3:payload=two", "payload: write a number"),
         ("3:friction=joint1=2", "friction: write a number"),
-        ("3:payload=-2", "mass: give a number at least 0"),
+        ("3:payload=-2", "payload: give a number at least 0"),
         ("3:mass-scale=0.9:1.1", "seed: "),
     ],
 )
