@@ -295,6 +295,9 @@ class Controller(SharesNothing, ABC, Generic[G]):
         if are_own(self._terms):
             self.use_terms(terms_of(self.arm, feeds_friction=wanted))
 
+    def keep_nominal_model(self) -> None:
+        """Work with the nominal model whatever is learnt, as a law by itself always does."""
+
     @property
     def compiled(self) -> tuple[Callable[..., None], tuple[Any, ...]]:
         """The tick as machine code and what it takes after `dt`, for wrappers that fill the rows.

@@ -67,7 +67,9 @@ class SpringObserver(Wrapper):
     Rigid joints pass through, and so do those whose motors swing by more than 2 rad in a tick.
 
     It has the face of a controller and works with all of them, also with `ModelLearning` around
-    one. `fotsmc_pin.margins` and `fotsmc_pin.analysis.largest_bandwidth` take it.
+    one. What that learns is then fed forward, and the loop keeps its nominal model: how fast it may
+    be before the springs swing depends on the inertia that it works with. `fotsmc_pin.margins` and
+    `fotsmc_pin.analysis.largest_bandwidth` take it.
 
     Attributes:
         controller: what is wrapped.
@@ -123,6 +125,7 @@ class SpringObserver(Wrapper):
         remedy = "give a control law, or what wraps one"
         checks.instance("controller", controller, (Controller, Wrapper), remedy)
         self.controller, self.arm, self.dt = controller, controller.arm, controller.dt
+        controller.keep_nominal_model()
         n = self.arm.nv
         self.joint_stiffness = checks.per_joint(
             "joint_stiffness", joint_stiffness, n, above=0.0, unlimited=True

@@ -40,6 +40,10 @@ class Wrapper(SharesNothing):
         """See `Controller.feed_friction`."""
         self.controller.feed_friction(wanted)
 
+    def keep_nominal_model(self) -> None:
+        """See `Controller.keep_nominal_model`."""
+        self.controller.keep_nominal_model()
+
     @property
     def follows_poses(self) -> bool:
         """Whether the reference is `t -> (T, V, A)`, as that of `TaskSpace`."""

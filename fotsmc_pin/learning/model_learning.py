@@ -101,7 +101,7 @@ class ModelLearning(Described):
             delay: ticks from a torque to the drive.
             feed_forward: add the learnt friction to the torque, and where the model stays the
                 nominal one, what the learnt one would ask for besides.
-            in_loop: let the law work with the learnt model.
+            in_loop: let the law work with the learnt model; not done inside of a `SpringObserver`.
             bears: ratios of true to believed inertia that the loop is trusted with; None for half
                 of what `fotsmc_pin.margins` finds on either side, or 0.3 to 3 where it finds none.
 
@@ -189,6 +189,11 @@ class ModelLearning(Described):
         """Learn from `tau` as what acts, friction included, in place of what `update` returned."""
         self._sent[self.delay] = tau
         self.controller.note_applied(tau, friction + self._friction)
+
+    def keep_nominal_model(self) -> None:
+        """Feed forward what is learnt, and leave the loop its nominal model from now on."""
+        self._in_loop = False
+        self._link()
 
     def estimates(self) -> Estimates:
         """Return what is known of the arm by now, as a table with standard deviations."""

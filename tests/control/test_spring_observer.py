@@ -137,6 +137,16 @@ def test_it_goes_around_a_law_that_learns():
     assert {"payload", "motor_lead"} <= set(controller.signals)
 
 
+def test_inside_of_it_the_loop_keeps_the_nominal_model():
+    arm = arm_of()
+    learner = fp.ModelLearning(fp.RobustFONFTSM(arm, DT), bears=(0.3, 3.0))
+    assert learner.controller.model_terms.model is not arm.model
+    controller = fp.SpringObserver(learner, 200.0 * arm.effort_limit)
+    run(controller, 50)
+    for one in (controller, copy.deepcopy(controller)):
+        assert one.controller.controller.model_terms.model is one.arm.model
+
+
 @pytest.mark.parametrize("name", ["ur5", "kinova"])
 def test_copies_and_saved_states_go_on_bit_for_bit(name):
     arm = arm_of(name)

@@ -288,6 +288,15 @@ def test_encoders_on_the_motors_are_observed_too():
     assert row.deflection == pytest.approx(row.static_deflection, rel=0.2)
 
 
+def test_learning_does_not_swing_what_springs_bear():
+    """In the loop, the learnt inertia lost the arm: the bandwidth holds for the nominal one."""
+    case = "elastic 1000 link"
+    with pytest.warns(BandwidthWarning):
+        (row,) = stress(["ur10"], ["RobustFONFTSM"], scenarios=case, learn=True, duration=6)
+    assert not row.diverged
+    assert row.tail_rms_error < 3.3e-3  # That of the same run without learning.
+
+
 def test_learning_goes_inside_of_the_observer_of_springs():
     law = fp.RobustFONFTSM(fp.load_arm("two_link", armature=0.1), 1e-3)
     bare = with_learning(law, 2)
