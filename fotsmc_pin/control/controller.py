@@ -41,12 +41,6 @@ SignalRows: TypeAlias = Mapping[str, str | tuple[str, ...]]
 SHORTEST_TICK, LONGEST_TICK = 1e-3, 1e6
 """Measured periods of a tick are refused outside these multiples of the nominal one."""
 
-LINKED = {
-    *("_terms", "model_terms", "_euclidean", "q", "_q_d", "_tau"),
-    *("joints", "state", "_work", "_signals", "_arguments", "_code"),
-}
-"""Attributes that only refer to a controller's arrays; no copy takes them along."""
-
 
 class Controller(SharesNothing, ABC, Generic[G]):
     """A control law bound to a nominal arm and a tick of `dt` seconds.
@@ -86,6 +80,12 @@ class Controller(SharesNothing, ABC, Generic[G]):
         memories: the running streams, by name; for authors of laws.
     """
 
+    linked: ClassVar[frozenset[str]] = frozenset(
+        {
+            *("_terms", "model_terms", "_euclidean", "q", "_q_d", "_tau"),
+            *("joints", "state", "_work", "_signals", "_arguments", "_code"),
+        }
+    )
     Gains: ClassVar[type[Gains]]
     State: ClassVar[type] = NoRows
     Work: ClassVar[type] = NoRows
@@ -254,14 +254,6 @@ class Controller(SharesNothing, ABC, Generic[G]):
         return f"{type(self).__name__}({self.arm.name}, dt={self.dt:g}, {gains})"
 
     _repr_html_ = page_of
-
-    def __getstate__(self) -> dict[str, Any]:
-        """Return what makes the controller, without the views and the code that `_link` makes."""
-        return {name: value for name, value in self.__dict__.items() if name not in LINKED}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        self._link()
 
     def _link(self) -> None:
         """Make what only refers to the arrays: the named rows, Pinocchio's memory, the code."""

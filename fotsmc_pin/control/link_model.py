@@ -9,6 +9,7 @@ import numpy as np
 
 from fotsmc_pin.compiled import kernel
 from fotsmc_pin.control.rows import named_rows
+from fotsmc_pin.control.small_matrices import cholesky, solve
 from fotsmc_pin.control.spring_model import FASTEST_SWING
 
 if TYPE_CHECKING:
@@ -97,31 +98,6 @@ class LinkState(NamedTuple):
 
 
 @kernel
-def factorize(A: Array) -> None:
-    """Overwrite the lower triangle of a positive definite `A` (n, n) by its Cholesky factor."""
-    for j in range(A.shape[0]):
-        for i in range(j, A.shape[0]):
-            rest = A[i, j]
-            for k in range(j):
-                rest -= A[i, k] * A[j, k]
-            A[i, j] = math.sqrt(rest) if i == j else rest / A[j, j]
-
-
-@kernel
-def solve(factor: Array, b: Array) -> None:
-    """Overwrite `b` (n,) by `A⁻¹ b`, with what `factorize` left of `A`."""
-    n = b.size
-    for i in range(n):
-        for k in range(i):
-            b[i] -= factor[i, k] * b[k]
-        b[i] /= factor[i, i]
-    for i in range(n - 1, -1, -1):
-        for k in range(i + 1, n):
-            b[i] -= factor[k, i] * b[k]
-        b[i] /= factor[i, i]
-
-
-@kernel
 def observe_links(
     dt: float,
     M: Array,
@@ -183,7 +159,7 @@ def observe_links(
                 scratch[i, j] = 0.0
                 change[i] -= M[i, j] * (omega[j] - s.speed[j])
         scratch[i, i] += 0.5 * dt * (D + 0.5 * dt * K)
-    factorize(scratch)
+    cholesky(scratch, scratch)
     solve(scratch, change)
 
     # What the motor's own equation leaves of its change of speed corrects δ, v and a.
@@ -220,7 +196,7 @@ def observe_links(
             scratch[i, j] = LINK_SHARE * moving * x.elastic[j] * M[i, j]
         scratch[i, i] += x.rotor[i] if moving != 0.0 else 1.0
         lead[0, i], lead[1, i] = x.rotor[i] * t.swing[i], x.rotor[i] * t.swing_speed[i]
-    factorize(scratch)
+    cholesky(scratch, scratch)
     solve(scratch, lead[0])
     solve(scratch, lead[1])
     for i in range(n):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 import pinocchio as pin
@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from fotsmc_pin.types import Array
 
 MEMORY = ("_state", "_sent")
-LINKED = {"_q", "_v", "_links", "_data", "_M", "_h", "_signals", "_arguments", "_code"}
-"""What only refers to the arrays or is made from the arm; no copy takes it along."""
 CORNERS = {"link": 3.0, "motor": 9.0}
 """Rate below which the measured side is followed, by the side [1/s]."""
 
@@ -88,6 +86,9 @@ class SpringObserver(Wrapper):
     the momentum observer that of De Luca and Mattone, IEEE ICRA, 2003.
     """
 
+    linked: ClassVar[frozenset[str]] = frozenset(
+        {"_q", "_v", "_links", "_data", "_M", "_h", "_signals", "_arguments", "_code"}
+    )
     _state: Array
     _later: Array
     _sent: Array
@@ -264,14 +265,6 @@ class SpringObserver(Wrapper):
         self.controller.restore_state(part(arrays, "controller"))
         for name, array in own.items():
             getattr(self, name)[:] = array
-
-    def __getstate__(self) -> dict[str, Any]:
-        """Return what makes the wrapper, without the views and the code that `_link` makes."""
-        return {name: value for name, value in self.__dict__.items() if name not in LINKED}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        self._link()
 
     def __repr__(self) -> str:
         """Name what is wrapped."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 import pinocchio as pin
@@ -42,8 +42,6 @@ UNKNOWN_RANGE = (0.3, 3.0)
 
 MEMORY = ("_whole", "_sent", "_joints", "_beliefs", "_P", "_Y", "_middle", "_written")
 """Arrays that live on from tick to tick."""
-LINKED = {"_a", "_x", "_b", "_terms", "_data", "_arguments", "_code", "_signals"}
-"""What only refers to the arrays; no copy takes it along."""
 
 
 class ModelLearning(Described):
@@ -73,6 +71,9 @@ class ModelLearning(Described):
     that was not foreseen [N·m]; "changes" (1,), how often the payload was found to be another.
     """
 
+    linked: ClassVar[frozenset[str]] = frozenset(
+        {"_a", "_x", "_b", "_terms", "_data", "_arguments", "_code", "_signals"}
+    )
     _a: Whole
     _x: JointRows
     _b: Beliefs
@@ -225,14 +226,6 @@ class ModelLearning(Described):
         self.controller.restore_state(part(arrays, "controller"))
         for name, array in own.items():
             getattr(self, name)[:] = array
-        self._link()
-
-    def __getstate__(self) -> dict[str, Any]:
-        """Return what makes the wrapper, without the views and the code that `_link` makes."""
-        return {name: value for name, value in self.__dict__.items() if name not in LINKED}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
         self._link()
 
     def __repr__(self) -> str:

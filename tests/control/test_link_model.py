@@ -11,10 +11,8 @@ import fotsmc_pin as fp
 from fotsmc_pin.control.link_model import (
     LinkRows,
     LinkState,
-    factorize,
     link_corrections,
     observe_links,
-    solve,
 )
 from fotsmc_pin.control.rows import named_rows
 from fotsmc_pin.errors import ArgumentError
@@ -66,16 +64,6 @@ def ticks(controller, count, seed=0):
         q = arm.integrate(q_d, 1e-4 * rng.normal(size=arm.nv))
         torques.append(controller.update(q, v_d + 1e-3 * rng.normal(size=arm.nv), q_d, v_d, a_d))
     return np.array(torques)
-
-
-def test_equations_of_a_mass_matrix_are_solved():
-    rng = np.random.default_rng(0)
-    root = rng.normal(size=(7, 7))
-    M, b = root @ root.T + 0.1 * np.eye(7), rng.normal(size=7)
-    factor, found = M.copy(), b.copy()
-    factorize(factor)
-    solve(factor, found)
-    assert found == pytest.approx(np.linalg.solve(M, b), rel=1e-9)
 
 
 @pytest.mark.parametrize("swing", [50.0, 150.0, 450.0])

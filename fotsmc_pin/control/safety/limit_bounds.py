@@ -28,7 +28,7 @@ import math
 from typing import TYPE_CHECKING, TypeAlias
 
 from fotsmc_pin.compiled import kernel
-from fotsmc_pin.control.safety.small_matrices import solve
+from fotsmc_pin.control.small_matrices import solve
 
 if TYPE_CHECKING:
     import numpy as np

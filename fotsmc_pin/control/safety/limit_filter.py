@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 import pinocchio as pin
@@ -33,19 +33,6 @@ UNLIMITED = 1e9
 LOST = 1.0
 """A bound counts as lost where it is exceeded by this share of a joint's deceleration, for longer
 than the delay of the loop."""
-LINKED = {
-    "_model",
-    "_data",
-    "_M",
-    "_h",
-    "_q",
-    "_v",
-    "_sent",
-    "_added",
-    "_ahead",
-    "_filtered",
-}
-"""Attributes that only refer to other memory; no copy takes them along."""
 
 
 class LimitFilter(SharesNothing):
@@ -59,6 +46,21 @@ class LimitFilter(SharesNothing):
         has_started: whether a usable state was seen since the last reset.
         broken: which limit could not be kept, in plain words; None while all can.
     """
+
+    linked: ClassVar[frozenset[str]] = frozenset(
+        {
+            "_model",
+            "_data",
+            "_M",
+            "_h",
+            "_q",
+            "_v",
+            "_sent",
+            "_added",
+            "_ahead",
+            "_filtered",
+        }
+    )
 
     def __init__(self, limits: Limits, dt: float, torque_rate: Array | None = None) -> None:
         """Prepare for ticks of `dt` seconds and drives of a limited torque rate (nv,) [N·m/s]."""
@@ -252,14 +254,6 @@ class LimitFilter(SharesNothing):
         self.broken = str(present(arrays, "broken")) or None
         self._table[:], self._torque[:], self._state[:] = table, torque, state
         self._lost, self.has_started = lost, started
-
-    def __getstate__(self) -> dict[str, Any]:
-        """Return everything but what `_link` makes."""
-        return {name: value for name, value in self.__dict__.items() if name not in LINKED}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        self._link()
 
     def _link(self) -> None:
         """Make what only refers to other memory: Pinocchio's scratch memory, views, the code."""

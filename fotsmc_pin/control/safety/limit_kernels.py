@@ -30,7 +30,7 @@ from fotsmc_pin.control.safety.limit_bounds import (
     learn_error,
     remember,
 )
-from fotsmc_pin.control.safety.small_matrices import cholesky, invert, solve
+from fotsmc_pin.control.small_matrices import cholesky, invert, solve
 
 if TYPE_CHECKING:
     from fotsmc_pin.types import Array

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 import pinocchio as pin
@@ -46,11 +46,6 @@ POSTURE_RATE = 3.0
 """Rate at which the feasible reference goes back to its posture [1/s]."""
 MEMORY = ("_joints", "_tool", "_configurations", "_poses")
 """Arrays that live on from tick to tick."""
-LINKED = {
-    *("_terms", "_memory", "_arguments", "_tick", "_acting", "_act", "_signals", "_kept"),
-    *("q", "joints", "_n", "_p", "_t"),
-}
-"""What only refers to the arrays; no copy takes it along."""
 
 
 class TaskTerms(ModelTerms):
@@ -75,6 +70,13 @@ class TaskMemory(SharesNothing):
         q: live configuration of the last tick (nq,).
         joints: live rows of the joints: errors from the feasible reference, speeds, torque.
     """
+
+    linked: ClassVar[frozenset[str]] = frozenset(
+        {
+            *("_terms", "_memory", "_arguments", "_tick", "_acting", "_act", "_signals", "_kept"),
+            *("q", "joints", "_n", "_p", "_t"),
+        }
+    )
 
     follows_poses = True
     uses_model = True
@@ -203,14 +205,6 @@ class TaskMemory(SharesNothing):
         """
         self._terms = terms
         self._link_kernels()
-
-    def __getstate__(self) -> dict[str, Any]:
-        """Return what makes the controller, without the views and the code that `_link` makes."""
-        return {name: value for name, value in self.__dict__.items() if name not in LINKED}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        self._link()
 
     def __repr__(self) -> str:
         """Name the frame, the directions and the law."""

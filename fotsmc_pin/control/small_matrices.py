@@ -13,7 +13,10 @@ if TYPE_CHECKING:
 
 @kernel
 def cholesky(M: Array, factor: Array) -> None:
-    """Write `L` of `M = L Lᵀ`, with the inverse of its diagonal on the diagonal."""
+    """Write `L` of `M = L Lᵀ`, with the inverse of its diagonal on the diagonal.
+
+    `factor` may be `M` itself.
+    """
     for i in range(M.shape[0]):
         for j in range(i):
             entry = M[i, j]
