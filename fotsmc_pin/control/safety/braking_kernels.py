@@ -39,11 +39,14 @@ EASING = 0.02
 HALVINGS, FINER, STEPS = 12, 0.01, 8
 """Steps of the first search for the least way; step, as a share, and number of steps by which the
 way may change in a tick."""
-SWEEPS, SETTLED = 30, 1e-3
-"""Sweeps over the joints in the search for decelerations, and the share of a limit by which a
+SWEEPS, STEP, SETTLED = 30, 0.1, 1e-3
+"""Sweeps over the joints in the search for decelerations; the largest step of one, as a share of
+its hardest, so that none is changed a lot that helps little; and the share of a limit by which a
 torque may exceed it."""
 AT_REST, NO_WAY = 1e-3, 1e-6
 """Speed [rad/s, m/s] and way [rad, m] that do not count."""
+UNBOUNDED = 1e9
+"""Way within which every stop is [rad, m]."""
 
 
 @kernel
@@ -92,6 +95,7 @@ def drawn(
         most = least
     else:
         limit_jerk(M, torque_rate, RISE * time * shortest / HARDER, motion)
+        sweeps = keeps_torque(UNBOUNDED, M, h, limit, shortest, motion)
         for _ in range(HALVINGS):
             middle = 0.5 * (least + most)
             sweeps = keeps_torque(middle, M, h, limit, shortest, motion)
@@ -160,6 +164,8 @@ def advanced(
         sweeps = keeps_torque(now, M, h, limit, shortest, motion)
         if sweeps > 0:
             break
+    if sweeps == 0:
+        sweeps = keeps_torque(UNBOUNDED, M, h, limit, shortest, motion)
     if sweeps != 1:
         limit_jerk(M, torque_rate, RISE * time * shortest / HARDER, motion)
     for i in range(n):
@@ -184,7 +190,8 @@ def keeps_torque(
 
     A joint that has moved `s_i` of its way must have at least `d_i = v_i² / (2 (way - s_i))`, and
     may have more. Returned are the sweeps of the search, 1 where all can brake in the common time;
-    0 where the torques allow none.
+    0 where the torques allow none. An unbounded way is always taken, with the decelerations whose
+    torques are beyond the limits least.
     """
     n = motion.shape[1]
     lowest, highest = np.zeros(motion.shape[1]), np.zeros(motion.shape[1])
@@ -207,8 +214,9 @@ def keeps_torque(
         lowest[i] = min(max(needed, motion[START, i] / max(time, LONGEST)), highest[i])
         d[i] = min(max(even, lowest[i]), highest[i])
     sweeps = suffices(M, h, limit, lowest, highest, motion, d, asked)
+    is_taken = sweeps > 0 or way == UNBOUNDED
     for i in range(n):
-        motion[BRAKING, i] = d[i] if sweeps > 0 else motion[BRAKING, i]
+        motion[BRAKING, i] = d[i] if is_taken else motion[BRAKING, i]
     return sweeps
 
 
@@ -250,7 +258,9 @@ def suffices(
                     slope += per * beyond / size
                     bend += per * per
             if bend > 0.0:
+                most = STEP * highest[j]
                 step = min(max(d[j] - slope / bend, lowest[j]), highest[j]) - d[j]
+                step = min(max(step, -most), most)
                 d[j] += step
                 for i in range(n):
                     asked[i] -= M[i, j] * turn * step
