@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from fotsmc_pin.control.safety.braking_kernels import ROWS
 from fotsmc_pin.export.bare import BareLaw
 from fotsmc_pin.export.dialect import comment
 from fotsmc_pin.export.guard_tick import GuardTick
@@ -135,11 +136,9 @@ class GuardedLaw:
             "target_q": (nq, "what is followed [rad, m]"),
             "target_v": (n, "its velocity [rad/s, m/s]"),
             "target_a": (n, "its acceleration [rad/s^2, m/s^2]"),
-            "path_t": (0, "since a safe stop began [s]"),
-            "path_q": (nq, "where its path began [rad, m]"),
-            "path_v": (n, "velocity there [rad/s, m/s]"),
-            "path_a": (n, "acceleration there [rad/s^2, m/s^2]"),
-            "braking_time": (n, "time in which each joint brakes [s]"),
+            "path_q": (nq, "where the path of a safe stop began [rad, m]"),
+            "path": (ROWS * n, "its joints' numbers, row by row"),
+            "path_bound": (0, "way of the joint that moves farthest on it [rad, m]"),
             "load": (n, "what the brake bears beside the model [N*m, N]"),
             "inertia": (n, "what it moves beside the model [kg*m^2, kg]"),
             "last": (n, "last error of its velocity [rad/s, m/s]"),
@@ -165,14 +164,13 @@ class GuardedLaw:
         return [*lines, f"{self.names.prefix}_reset(state);"]
 
     def _reset_lines(self) -> list[str]:
-        zero, one = self.dialect.number(0.0), self.dialect.number(1.0)
+        zero = self.dialect.number(0.0)
         sizes = {name: size for name, (size, _) in self._remembered.items()}
-        first = {name: one if name == "braking_time" else zero for name in sizes}
         lines = ["law_reset(&state->law);"]
         lines += [f"state->{name} = {zero};" for name, size in sizes.items() if not size]
         for size in sorted({*sizes.values()} - {0}):
             names = [name for name in sizes if sizes[name] == size]
-            cleared = [f"    state->{name}[i] = {first[name]};" for name in names]
+            cleared = [f"    state->{name}[i] = {zero};" for name in names]
             lines += [f"for (int i = 0; i < {size}; i++) {{", *cleared, "}"]
         lines += [f"state->{name} = {int(name == 'by_law')};" for name in FLAGS]
         return [*lines, f"state->stopped = {self.names.status('OK')};"]

@@ -30,8 +30,13 @@ class GuardLines:
         self._state = f"{bare.names.prefix}_state *state"
 
     def _kernel(self, kernel: Any, *ranks: int) -> str:
-        """Return the name of a translated kernel; a rank is 0 for a number, 2 for a matrix."""
-        shapes = {1: (self._n,), 2: (self._n, self._n)}
+        """Return the name of a translated kernel.
+
+        A rank is 0 for a number, 1 for a vector, 2 for a square matrix, and else, below zero, that
+        of a table with so many rows.
+        """
+        shapes: dict[int, tuple[int, ...]] = {rank: (-rank, self._n) for rank in ranks}
+        shapes |= {1: (self._n,), 2: (self._n, self._n)}
         values = [
             Array(f"x{k}", shapes[rank], Root()) if rank else Scalar("real", "x")
             for k, rank in enumerate(ranks)

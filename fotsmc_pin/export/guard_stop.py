@@ -6,7 +6,16 @@ It is what `control.safety.SafeStop` does; its arithmetic is that of the same ke
 from __future__ import annotations
 
 from fotsmc_pin.control.safety.brake import beyond_inertia, borne
-from fotsmc_pin.control.safety.braking_path import braking_times, on_path
+from fotsmc_pin.control.safety.braking_kernels import (
+    LEARNT,
+    RATE,
+    ROWS,
+    SPEED,
+    UNKNOWN,
+    WAY,
+    advanced,
+    drawn,
+)
 from fotsmc_pin.control.safety.safe_stop import ALIKE, ASTRAY, LOST, NEAR
 from fotsmc_pin.control.safety.steps import is_kept
 from fotsmc_pin.export.guard_lines import EFFORT, GuardLines
@@ -62,30 +71,41 @@ class GuardStop(GuardLines):
         ]
 
     def _advance(self) -> list[str]:
-        path = self._kernel(on_path, 0, *[1] * 6)
-        times = self._kernel(braking_times, 2, 1, 1, 1, 0, 1)
-        turning, joints = self._bare.turning, self._bare.joints
-        zero = self._number(0.0)
+        draw = self._kernel(drawn, 2, 1, 1, 1, 0, -ROWS)
+        advance = self._kernel(advanced, 2, *[1] * 4, *[0] * 4, -ROWS)
+        turning, joints, real = self._bare.turning, self._bare.joints, self._real
+        zero, one, learnt = (self._number(value) for value in (0.0, 1.0, LEARNT))
+        weight = f"learns ? ({learnt} * dt < {one} ? {learnt} * dt : {one}) : {zero}"
+        moved = " ".join(
+            f"state->target_{name}[i] = state->path[{self._n * row} + i];"
+            for name, row in (("v", SPEED), ("a", RATE))
+        )
         return [
             *block(
-                f"static void guard_draw({self._state}, const {self._real} *borne)",
+                f"static void guard_draw({self._state}, const {real} *unknown)",
                 [
-                    f"{times}(state->M, state->path_v, borne, {EFFORT}, state->stop_ramp,",
-                    "    state->braking_time);",
+                    self._each(f"state->path[{self._n * UNKNOWN} + i] = unknown[i];"),
+                    f"state->path_bound = {draw}(state->M, state->h, {EFFORT},",
+                    "    state->torque_rate, state->stop_ramp, state->path);",
                     self._each("state->last[i] = {0};", zero),
-                    f"state->path_t = {zero};",
                     "state->under_way = 1;",
                 ],
                 "Draw a braking path from where it begins.",
             ),
             *block(
-                f"static void guard_advance({self._state}, {self._real} dt)",
+                f"static void guard_advance({self._state}, bool learns, {real} dt)",
                 [
-                    f"{self._real} way[{self._n}];",
-                    "state->path_t += dt;",
-                    f"{path}(state->path_t, state->path_v, state->path_a, state->braking_time,",
-                    "    way, state->target_v, state->target_a);",
-                    *turning.sum(joints, "state->path_q", "way", "state->target_q"),
+                    f"const {real} weight = {weight};",
+                    f"state->path_bound = {advance}(state->M, state->h, state->tau, {EFFORT},",
+                    "    state->torque_rate, state->stop_ramp, weight, dt, state->path_bound,",
+                    "    state->path);",
+                    self._each(moved),
+                    *turning.sum(
+                        joints,
+                        "state->path_q",
+                        f"(state->path + {self._n * WAY})",
+                        "state->target_q",
+                    ),
                     "state->wanted = 1;",
                 ],
                 "Advance on the braking path.",
@@ -98,7 +118,10 @@ class GuardStop(GuardLines):
         beyond = self._kernel(beyond_inertia, 1, 1, 2, 1)
         unknown = self._kernel(borne, 1, 1, 1, 2, 1, 1, 1)
         within = f"{self._number(NEAR)}, {self._number(ALIKE)}"
-        copied = "state->path_v[i] = state->target_v[i]; state->path_a[i] = state->target_a[i];"
+        v, a = self._n * SPEED, self._n * RATE
+        copied = (
+            f"state->path[{v} + i] = state->target_v[i]; state->path[{a} + i] = state->target_a[i];"
+        )
         return block(
             f"static void guard_begin_braking({self._state})",
             [
@@ -114,9 +137,11 @@ class GuardStop(GuardLines):
                 "}",
                 f"{real} load[{n}];",
                 self._each("load[i] = {0};", zero),
-                f"{beyond}(state->path_a, state->recent, state->M, load);",
-                f"{unknown}(state->seen_v, state->path_a, state->recent, state->M, state->h,",
+                f"const {real} *path_a = state->path + {a};",
+                f"{beyond}(path_a, state->recent, state->M, load);",
+                f"{unknown}(state->seen_v, path_a, state->recent, state->M, state->h,",
                 "    state->drive, state->load);",
+                self._each("load[i] -= state->h[i];"),
                 "guard_draw(state, load);",
             ],
             "Begin to brake where the arm was last seen, or at its target where that is near.",
@@ -141,7 +166,7 @@ class GuardStop(GuardLines):
                 "    /* What the speed is by now is not known. */",
                 f"    {self._each('state->h[i] = state->g[i];')}",
                 "}",
-                "guard_advance(state, dt);",
+                "guard_advance(state, seen, dt);",
                 "if (!seen || !state->by_law) { return; }",
                 f"{real} e[{n}], e_dot[{n}];",
                 *self._difference("state->target_q", "state->seen_q", "e"),
@@ -151,8 +176,9 @@ class GuardStop(GuardLines):
                 *self._start_where_seen(),
                 f"{unknown}(state->seen_v, state->target_a, state->recent, state->M, state->h,",
                 "    state->drive, state->load);",
-                "guard_draw(state, state->h);",
-                "guard_advance(state, dt);",
+                f"const {real} nothing[{n}] = {{{self._number(0.0)}}};",
+                "guard_draw(state, nothing);",
+                "guard_advance(state, false, dt);",
             ],
             "One tick of braking; anew, and without the law, where that lost the path.",
         )
@@ -161,5 +187,8 @@ class GuardStop(GuardLines):
         zero = self._number(0.0)
         return [
             self._each("state->path_q[i] = state->seen_q[i];", size=self._nq),
-            self._each("state->path_v[i] = state->seen_v[i]; state->path_a[i] = {0};", zero),
+            self._each(
+                f"state->path[{self._n * SPEED} + i] = state->seen_v[i]; "
+                f"state->path[{self._n * RATE} + i] = {zero};"
+            ),
         ]

@@ -1,6 +1,6 @@
 """The shortest way on which an arm's torque limits can stop it, its true model known.
 
-    python -m tests.robust.least_stop [ARM] [--motion N] [--starts N] [--seconds T]
+    python -m tests.robust.least_stop [ARM] [--motion N] [--starts N] [--seconds T] [--kept WHAT]
 
 It is what a safe stop is to be measured against: the motion is that of `safe_stops`, payload and
 friction are known, every torque may be at its limit, and nothing is late. Accelerations that are
@@ -11,7 +11,9 @@ farthest moves least,
 
 by linear programs around the last trajectory, within a trust region, from several starts. Position
 and velocity are linear in the accelerations; the torque is linearized by Pinocchio's derivatives.
-Each start ends in a local minimum: the least of many is an estimate from above.
+`--kept speed` besides keeps every joint no faster than at its start, `direction` also lets none
+turn around, and `slowing` lets none become faster at any time. Each start ends in a local minimum:
+the least of many is an estimate from above.
 """
 
 import argparse
@@ -32,11 +34,16 @@ TRIALS, RADIUS, LEAST_RADIUS, LEAST_GAIN = 40, 20.0, 0.05, 2e-5
 and the gain that ends the search [rad]."""
 
 
-class Stopping:
-    """The problem: an arm, the state that it is stopped in, and the intervals."""
+KEPT = ("torque", "speed", "direction", "slowing")
+"""What is kept, each with what stands before it."""
 
-    def __init__(self, arm, q, v, *, friction, seconds, intervals):
+
+class Stopping:
+    """The problem: an arm, the state that it is stopped in, the intervals, and what is kept."""
+
+    def __init__(self, arm, q, v, *, friction, seconds, intervals, kept):
         self.arm, self.q, self.v, self.friction = arm, q, v, friction
+        self.level, self.forward = KEPT.index(kept), np.tile(np.sign(v), intervals)
         self.count, step = intervals, seconds / intervals
         until = np.tril(np.ones((intervals, intervals)))
         own, before = np.eye(intervals), np.tril(np.ones((intervals, intervals)), -1)
@@ -79,33 +86,52 @@ class Stopping:
         n, size = self.arm.nv, self.count * self.arm.nv
         joints, one, none = np.eye(n), np.ones((size, 1)), np.zeros((size, 1))
         way, radius, cost = np.kron(self.way_end, joints), RADIUS, self.cost(a)
+        gain, start = np.kron(self.gain_end, joints), np.tile(np.abs(self.v), self.count)
+        gain = self.forward[:, None] * gain
         rest = np.hstack([np.kron(self.gain_end[-1:], joints), np.zeros((n, 2))])
         price = np.r_[np.zeros(size), 1.0, PENALTY]
         share, change = self.torques(a, slopes=True)
         for _ in range(TRIALS):
             J, t, x = change.reshape(size, size), share.ravel(), self.ways(a).ravel()
             rows = [[J, none, -one], [-J, none, -one], [way, -one, none], [-way, -one, none]]
+            ends = [1.0 - t, 1.0 + t, -x, x]
+            if self.level >= KEPT.index("speed"):
+                speed = self.forward * (self.v + self.gain_end @ a).ravel()
+                slowest = start if self.level == KEPT.index("speed") else 0.0
+                rows += [[gain, none, none], [-gain, none, none]]
+                ends += [start - speed, slowest + speed]
             found = linprog(
                 price,
                 A_ub=np.block(rows),
-                b_ub=np.r_[1.0 - t, 1.0 + t, -x, x],
+                b_ub=np.concatenate(ends),
                 A_eq=rest,
                 b_eq=-(self.v + self.gain_end[-1] @ a),
-                bounds=[(-radius, radius)] * size + [(0.0, None)] * 2,
+                bounds=[*self.steps(a, radius), (0.0, None), (0.0, None)],
             )
             if found.status != 0:  # no rest within the trust region
                 radius *= 2.0
                 continue
             other = a + found.x[:size].reshape(a.shape)
-            gain = cost - self.cost(other)
-            if gain > 0.0:
-                a, cost, radius = other, cost - gain, 1.5 * radius
+            better = cost - self.cost(other)
+            if better > 0.0:
+                a, cost, radius = other, cost - better, 1.5 * radius
                 share, change = self.torques(a, slopes=True)
             else:
                 radius *= 0.4
-            if radius < LEAST_RADIUS or 0.0 < gain < LEAST_GAIN:
+            if radius < LEAST_RADIUS or 0.0 < better < LEAST_GAIN:
                 break
         return a, cost
+
+    def steps(self, a, radius):
+        """Return the bounds of the steps: the trust region, and none that speeds up where kept."""
+        most = np.full(a.size, radius)
+        if self.level == KEPT.index("slowing"):
+            most = np.clip(-self.forward * a.ravel(), -radius, radius)
+        least = np.minimum(-radius, most)
+        return [
+            (lo, hi) if f > 0.0 else (-hi, -lo)
+            for lo, hi, f in zip(least, most, self.forward, strict=True)
+        ]
 
     def start(self, rng):
         """Return accelerations that stop each joint in a time of its own, disturbed."""
@@ -117,20 +143,24 @@ class Stopping:
         return a + noise - noise.mean(axis=0)
 
 
-def least_way(name, motion, *, payload=2.0, friction=0.5, seconds=0.4, intervals=25, starts=20):
+def least_way(
+    name, motion, *, payload=2.0, friction=0.5, seconds=0.4, intervals=25, starts=20, kept="torque"
+):
     """Return the ways that were found [rad], the least first."""
     arm = fp.load_arm(name)
     true = fp.perturb(arm, payload=payload, friction=friction)
     q, v, _ = full_speed(arm, true, motion)(SETTLING + QUARTER)
-    problem = Stopping(true, q, v, friction=friction, seconds=seconds, intervals=intervals)
+    problem = Stopping(
+        true, q, v, friction=friction, seconds=seconds, intervals=intervals, kept=kept
+    )
     rng = np.random.default_rng(0)
     found = [problem.improve(problem.start(rng)) for _ in range(starts)]
-    kept = [
+    feasible = [
         np.abs(problem.ways(a)).max()
         for a, _ in found
         if np.abs(problem.torques(a)[0]).max() < 1.001
     ]
-    return sorted(float(way) for way in kept)
+    return sorted(float(way) for way in feasible)
 
 
 def main():
@@ -139,8 +169,11 @@ def main():
     parser.add_argument("--motion", type=int, default=2)
     parser.add_argument("--starts", type=int, default=20)
     parser.add_argument("--seconds", type=float, default=0.4)
+    parser.add_argument("--kept", choices=KEPT, default=KEPT[0])
     given = parser.parse_args()
-    ways = least_way(given.arm, given.motion, starts=given.starts, seconds=given.seconds)
+    ways = least_way(
+        given.arm, given.motion, starts=given.starts, seconds=given.seconds, kept=given.kept
+    )
     least = ", ".join(f"{way:.4f}" for way in ways[:5])
     print(f"{given.arm}, motion {given.motion}: {len(ways)} of {given.starts} starts, {least} rad")
 

@@ -52,7 +52,7 @@ class Stop:
         speed: largest speed of a joint over its speed at the start.
         sag: largest way of a joint after half a second [rad].
         by_law: whether the law braked to the end.
-        braking: longest time that the braking path gave a joint [s].
+        planned: way of the joint that moves farthest, as the braking path began [rad].
     """
 
     broke: str | None
@@ -61,7 +61,7 @@ class Stop:
     speed: float
     sag: float
     by_law: bool
-    braking: float
+    planned: float
 
 
 def full_speed(arm, true, seed):
@@ -110,7 +110,7 @@ def stop_once(
     controller.compensates = compensates
     for _ in range(delay):
         robot.write(arm.gravity(start) * ("gravity" not in compensates))
-    began, broke, ways, speeds, braking = None, None, [], [], 0.0
+    began, broke, ways, speeds, planned = None, None, [], [], 0.0
     for k in range(round((SETTLING + QUARTER + WATCHED) / DT)):
         clock.t = k * DT
         q, v = robot.read()
@@ -122,8 +122,8 @@ def stop_once(
             speeds.append(v)
         controller.update(q, v, *reference(k * DT))
         robot.write(controller.sent)
-        if began is not None and not braking:
-            braking = float(np.max(controller._stop.path.duration))
+        if began is not None and not planned:
+            planned = controller._stop.path.bound
     way, speed = np.abs(ways), np.abs(speeds)
     moving = np.nonzero((speed > REST).any(axis=1))[0]
     return Stop(
@@ -133,7 +133,7 @@ def stop_once(
         speed=float((speed.max(axis=0) / speed[0]).max()),
         sag=float(np.abs(np.array(ways)[500:] - ways[500]).max()),
         by_law=bool(controller._stop.by_law),
-        braking=braking,
+        planned=planned,
     )
 
 
@@ -149,7 +149,7 @@ def table(given):
             broken = sum(row.broke is not None for row in rows)
             rows = [row for row in rows if row.broke is None]
             cells = [f"{name:7} {'+'.join(words) or 'nothing':25}"]
-            for field in ("rest", "way", "speed", "sag", "braking"):
+            for field in ("rest", "way", "speed", "sag", "planned"):
                 values = [getattr(row, field) for row in rows]
                 cells.append(f"{field} {np.median(values):.3f} {max(values):.3f}")
             kept = sum(r.rest <= 1.0 and r.way <= 0.3 and r.speed <= 1.02 for r in rows)

@@ -40,7 +40,9 @@ class SafeStop(SharesNothing):
         brake: the brake.
     """
 
-    def __init__(self, arm: Arm, dt: float, least: float, fastest: Array) -> None:
+    def __init__(
+        self, arm: Arm, dt: float, least: float, fastest: Array, torque_rate: Array
+    ) -> None:
         """Prepare to brake in no less than `least` seconds.
 
         Args:
@@ -48,9 +50,10 @@ class SafeStop(SharesNothing):
             dt: period of a tick [s].
             least: least time in which a joint brakes [s].
             fastest: speed at which a stop begins (nv,).
+            torque_rate: largest rates of the torques (nv,); inf for none.
         """
-        self.arm, self._dt, self._least, self._fastest = arm, dt, least, fastest
-        self.path, self.brake = BrakingPath(arm), Brake(arm, dt)
+        self.arm, self._dt, self._fastest = arm, dt, fastest
+        self.path, self.brake = BrakingPath(arm, least, torque_rate), Brake(arm, dt)
         self.reset()
 
     def reset(self) -> None:
@@ -69,25 +72,32 @@ class SafeStop(SharesNothing):
             start = target
         load = np.zeros(self.arm.nv)
         beyond_inertia(start[2], tau, seen.mass_matrix, load)
-        self.path.begin(start, seen.mass_matrix, load, self._least)
+        self.path.begin(start, seen.mass_matrix, seen.h, load - seen.h)
         self.brake.begin(seen.v, start[2], tau, seen.mass_matrix, seen.h)
         self.is_under_way = True
 
     def advance(
-        self, state: tuple[Array, Array] | None, seen: Seen, tau: Array, dt: float
+        self, state: tuple[Array, Array] | None, seen: Seen, acted: tuple[Array, Array], dt: float
     ) -> tuple[Array, Array, Array]:
         """Return the path's `q`, `v` and `a` after another `dt` seconds.
 
         A law that lost the path is no longer followed: braking begins anew from where the arm is.
-        What braking found too much then is inertia, not load: the path is as short as can be.
+        What braking found too much then is inertia, not load.
+
+        Args:
+            state: measured configuration (nq,) and velocity (nv,); None where they are not usable.
+            seen: where the arm was last seen.
+            acted: the last torque (nv,), and the average of the last ones.
+            dt: the time [s].
         """
-        target = self.path.advance(dt)
+        M, h, (tau, recent) = seen.mass_matrix, seen.h, acted
+        target = self.path.advance(M, h, tau, dt, learns=state is not None)
         if state is None or not self.by_law or self._is_kept(state, target, LOST, ASTRAY):
             return target
-        self.by_law = False
-        self.path.begin((*state, np.zeros(self.arm.nv)), seen.mass_matrix, seen.h, self._least)
-        self.brake.begin(state[1], target[2], tau, seen.mass_matrix, seen.h)
-        return self.path.advance(dt)
+        self.by_law, nothing = False, np.zeros(self.arm.nv)
+        self.path.begin((*state, nothing), M, h, nothing)
+        self.brake.begin(state[1], target[2], recent, M, h)
+        return self.path.advance(M, h, tau, dt, learns=False)
 
     def torque(
         self,
@@ -106,7 +116,7 @@ class SafeStop(SharesNothing):
         q, still, seen = self.arm.neutral, np.zeros(self.arm.nv), Seen(self.arm)
         seen.see(q, still)
         self.begin(seen, (q, still, still), still)
-        target = self.advance((q, still), seen, still, self._dt)
+        target = self.advance((q, still), seen, (still, still), self._dt)
         self.torque(None, seen, target, self._dt)
         self.reset()
         return seen

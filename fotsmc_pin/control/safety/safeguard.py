@@ -93,7 +93,7 @@ class Safeguard(Wrapper):
         margin = checks.finite_number("speed_margin", speed_margin, above=0.0)
         self._fastest = margin * self.arm.velocity_limit
         self.stop_ramp = checks.finite_number("stop_ramp", stop_ramp, above=0.0)
-        self._stop = SafeStop(self.arm, self.dt, self.stop_ramp, self._fastest)
+        self._stop = SafeStop(self.arm, self.dt, self.stop_ramp, self._fastest, self._rate)
         limited = None if torque_rate is None else self._rate
         self._limits = None if limits is None else LimitFilter(limits, self.dt, limited)
         self._seen, self._output = Seen(self.arm), Output(self.arm, self._rate)
@@ -147,7 +147,8 @@ class Safeguard(Wrapper):
         target = np.concatenate(self._target or [()])
         saved = {"stopped": np.array(self.stopped or ""), "target": target}
         for name, inner in self._parts.items():
-            saved |= with_prefix(name, inner.save_state())
+            arrays = {key: np.array(array) for key, array in inner.save_state().items()}
+            saved |= with_prefix(name, arrays)
         return saved
 
     def restore_state(self, arrays: Mapping[str, ArrayLike]) -> None:
@@ -277,16 +278,16 @@ class Safeguard(Wrapper):
         self, state: tuple[Array, Array] | None, period: float, *, is_believed: bool
     ) -> tuple[Array, Array, Array] | None:
         """Return where the braking path leads; None where nothing was ever measured."""
-        seen, stop = self._seen, self._stop
+        seen, stop, output = self._seen, self._stop, self._output
         if seen.q is None:
             return None
         if not stop.is_under_way:
-            stop.begin(seen, self._target, self._output.recent)
+            stop.begin(seen, self._target, output.recent)
         if state is None:
             seen.look_away()
         else:
             seen.see(*state, is_believed=is_believed)
-        return stop.advance(state, seen, self._output.recent, period)
+        return stop.advance(state, seen, (output.tau, output.recent), period)
 
     def _compile(self) -> None:
         """Run through a stop, so that none has to wait for the compiler."""
