@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
 import subprocess
@@ -46,13 +47,22 @@ def say(text):
 
 
 def interpreter(version):
-    """Return the path of a Python of this version on this machine, or None."""
-    found = shutil.which(f"python{version}")
-    if found is None:
-        return None
-    probe = [found, "-c", "import sys; print('%d.%d' % sys.version_info[:2])"]
-    told = subprocess.run(probe, capture_output=True, text=True, check=False)
-    return found if told.returncode == 0 and told.stdout.strip() == version else None
+    """Return the path of a Python of this version on this machine, or None.
+
+    Looked for on the path and among the versions of pyenv and uv, whose own `python3.x` on the path
+    runs only where that version is the one in use.
+    """
+    folders = os.environ["PATH"].split(os.pathsep)
+    for kept in (".pyenv/versions", ".local/share/uv/python"):
+        folders += sorted(str(path) for path in (Path.home() / kept).glob("*/bin"))
+    probe = ["-c", "import sys; print('%d.%d' % sys.version_info[:2])"]
+    for folder in folders:
+        found = shutil.which(f"python{version}", path=folder)
+        if found:
+            told = subprocess.run([found, *probe], capture_output=True, text=True, check=False)
+            if told.returncode == 0 and told.stdout.strip() == version:
+                return found
+    return None
 
 
 def environment(folder, python=sys.executable):
