@@ -10,7 +10,6 @@ from tests.release.environments import (
     CheckError,
     environment,
     interpreter,
-    lowest_versions,
     run,
     say,
 )
@@ -33,6 +32,8 @@ def matrix(folder, tests, pythons=PYTHONS, ends=("lowest", "newest")):
     Raises:
         CheckError: a cell did not pass; all cells are tried first.
     """
+    tools = environment(folder / "tools")
+    run([tools / "pip", "install", "-q", "uv"], folder, "uv")
     rows, lost = [], False
     for version in pythons:
         for end in ends:
@@ -43,7 +44,7 @@ def matrix(folder, tests, pythons=PYTHONS, ends=("lowest", "newest")):
                 rows.append((version, end, "not tried: this Python is not on the machine"))
                 continue
             try:
-                told = _cell(folder / f"{version}-{end}", python, end, tests)
+                told = _cell(tools / "uv", folder / f"{version}-{end}", python, end, tests)
                 rows.append((version, end, told))
             except CheckError as failure:
                 lost = True
@@ -56,15 +57,14 @@ def matrix(folder, tests, pythons=PYTHONS, ends=("lowest", "newest")):
         raise CheckError("a cell of the matrix did not pass")
 
 
-def _cell(folder, python, end, tests):
+def _cell(uv, folder, python, end, tests):
     programs = environment(folder, python)
-    words = [programs / "pip", "install", "-q"]
-    if end == "lowest":
-        constraints = folder / "lowest.txt"
-        constraints.write_text("\n".join(lowest_versions()) + "\n")
-        words += ["-c", constraints]
+    words = [uv, "pip", "install", "-q", "--python", programs / "python"]
+    words += ["--resolution", "lowest-direct" if end == "lowest" else "highest"]
     run([*words, "-e", f"{ROOT}[test]"], ROOT, f"{end} versions installed")
     chosen = tests or [f"tests/{name}" for name in QUICK]
     jobs = str(min(os.cpu_count() or 1, 4))
-    text = run([programs / "python", "-m", "pytest", "-q", "-n", jobs, *chosen], ROOT, "tests")
+    words = [programs / "python", "-m", "pytest", "-q", "-n", jobs, *chosen]
+    # What other versions of Numba have compiled stays where it is.
+    text = run(words, ROOT, "tests", NUMBA_CACHE_DIR=folder / "compiled")
     return text.strip().splitlines()[-1].strip("= ")
