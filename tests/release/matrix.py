@@ -14,8 +14,18 @@ from tests.release.environments import (
     say,
 )
 
-QUICK = ("fractional", "arms", "references", "control", "simulation")
-"""Folders of tests that stand for all in a cell of the matrix."""
+SMOKE = (
+    *("arms/test_arm.py", "arms/test_markup.py", "arms/test_mujoco.py"),
+    *("control/test_saturation.py", "fractional/test_accuracy.py", "learning/test_regressor.py"),
+    *("references/test_live_target.py", "references/test_cartesian_line.py"),
+    *("references/test_excitation.py", "simulation/test_loop.py", "simulation/test_friction.py"),
+    *("evaluation/tuning/test_front.py", "evaluation/studies/test_study.py"),
+    *("identification/test_payload.py", "identification/test_ros_log.py"),
+    *("robust/test_adapters.py", "cli/test_task.py"),
+    *("view/test_data_files.py", "view/test_export.py", "view/test_plot.py"),
+    "view/test_many_runs_report.py",
+)
+"""Tests that stand for all in a cell of the matrix: together they use all that is depended on."""
 RESOLUTIONS = {"lowest": "lowest-direct", "newest": "highest"}
 """What uv calls either end. Only wheels count: what a Python has none of is not its lowest."""
 
@@ -25,7 +35,7 @@ def matrix(folder, tests, pythons=PYTHONS, ends=("lowest", "newest")):
 
     Args:
         folder: where environments are made.
-        tests: words for pytest; none runs the folders `QUICK`.
+        tests: words for pytest; none runs `SMOKE`.
         pythons: versions to try.
         ends: which versions of the dependencies.
 
@@ -66,7 +76,7 @@ def _cell(uv, folder, python, versions, tests):
     install = [uv, "pip", "install", "-q", "--python", programs / "python"]
     run([*install, "-r", versions], ROOT, "versions installed")
     run([*install, "--no-deps", "-e", ROOT], ROOT, "checkout installed")
-    chosen = tests or [f"tests/{name}" for name in QUICK]
+    chosen = tests or [f"tests/{name}" for name in SMOKE]
     jobs = str(min(os.cpu_count() or 1, 4))
     words = [programs / "python", "-m", "pytest", "-q", "-n", jobs, *chosen]
     # What other versions of Numba have compiled stays where it is.
