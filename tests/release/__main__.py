@@ -3,9 +3,9 @@
 - `check` builds both packages from the last commit, checks their metadata, installs the wheel in a
   clean environment, and without the checkout runs `fotsmc reproduce` in an empty folder and the
   sdist's tests on the wheel.
-- `matrix` runs tests in clean environments: each Python that is on this machine, with the newest
-  versions that pip finds, and the oldest Python with the lowest versions that `pyproject.toml`
-  states.
+- `matrix` runs tests in clean environments: each Python that is on this machine, with the lowest
+  versions that `pyproject.toml` states (or the lowest of which that Python has wheels) and with the
+  newest ones.
 
 Words after `--` go to pytest, such as paths of tests.
 """

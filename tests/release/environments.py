@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import re
+import os
 import shutil
 import subprocess
 import sys
 import time
-import tomllib
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -20,15 +19,26 @@ class CheckError(Exception):
     """A command ended with another code than 0."""
 
 
-def run(words, cwd, shown=None):
+def run(words, cwd, shown=None, **variables):
     """Run a command in a folder, say what it was and how long it took, and return its output.
+
+    Args:
+        words: the command.
+        cwd: the folder.
+        shown: what it is called; None for its words.
+        variables: of the environment, besides those that there are.
 
     Raises:
         CheckError: with the end of its output.
     """
     started = time.perf_counter()
     done = subprocess.run(
-        [str(word) for word in words], cwd=cwd, capture_output=True, text=True, check=False
+        [str(word) for word in words],
+        cwd=cwd,
+        env=os.environ | {name: str(value) for name, value in variables.items()},
+        capture_output=True,
+        text=True,
+        check=False,
     )
     text = done.stdout + done.stderr
     name = shown or " ".join(str(word) for word in words)
@@ -46,31 +56,28 @@ def say(text):
 
 
 def interpreter(version):
-    """Return the path of a Python of this version on this machine, or None."""
-    found = shutil.which(f"python{version}")
-    if found is None:
-        return None
-    probe = [found, "-c", "import sys; print('%d.%d' % sys.version_info[:2])"]
-    told = subprocess.run(probe, capture_output=True, text=True, check=False)
-    return found if told.returncode == 0 and told.stdout.strip() == version else None
+    """Return the path of a Python of this version on this machine, or None.
+
+    Looked for on the path and among the versions of pyenv and uv, whose own `python3.x` on the path
+    runs only where that version is the one in use.
+    """
+    folders = os.environ["PATH"].split(os.pathsep)
+    for kept in (".pyenv/versions", ".local/share/uv/python"):
+        folders += sorted(str(path) for path in (Path.home() / kept).glob("*/bin"))
+    probe = ["-c", "import sys; print('%d.%d' % sys.version_info[:2])"]
+    for folder in folders:
+        found = shutil.which(f"python{version}", path=folder)
+        if found:
+            told = subprocess.run([found, *probe], capture_output=True, text=True, check=False)
+            if told.returncode == 0 and told.stdout.strip() == version:
+                return found
+    return None
 
 
 def environment(folder, python=sys.executable):
     """Make an environment and return its folder of programs."""
     run([python, "-m", "venv", folder], ROOT, f"environment of {Path(python).name}")
     return folder / "bin"
-
-
-def lowest_versions():
-    """Return constraints that admit of every direct dependency only its lowest stated version."""
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
-    optional = project["optional-dependencies"]
-    stated = [*project["dependencies"], *optional["robots"], *optional["test"]]
-    inner = {name for words in stated for name in re.findall(r"fotsmc_pin\[(.*)\]", words)}
-    for names in inner:
-        stated += [words for name in names.split(",") for words in optional[name]]
-    pairs = (re.match(r"([\w.-]+)(?:\[.*?\])?>=([\d.]+)", words) for words in stated)
-    return sorted({f"{pair[1]}=={pair[2]}" for pair in pairs if pair})
 
 
 def clean_copy(folder):

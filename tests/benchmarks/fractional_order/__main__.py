@@ -1,13 +1,15 @@
 """What the fractional order is worth: searches, held-out runs, verdict and figures.
 
     python -m tests.benchmarks.fractional_order run [PROBLEM...] [--seeds 1 2] [--learning]
-    python -m tests.benchmarks.fractional_order pack
+    python -m tests.benchmarks.fractional_order unpack | pack | against [--folder FOLDER]
     python -m tests.benchmarks.fractional_order judge
     python -m tests.benchmarks.fractional_order figures
 
-`run` goes on where it was stopped. `pack` puts what it has so far into
-`docs/data/fractional_order`. From there `judge` prints the tables of the page "What the fractional
-order is worth" and writes them beside the data; `figures` draws its pictures. Both take a minute.
+`run` goes on where it was stopped. `pack` adds what it has so far to
+`docs/data/fractional_order`; `unpack` fills an empty folder from there, so that `run` goes on from
+what is stored; `against` tells whether runs that were made anew came out as stored. From the stored
+runs `judge` prints the tables of the page "What the fractional order is worth" and writes them
+beside the data; `figures` draws its pictures. Both take a minute.
 """
 
 from __future__ import annotations
@@ -67,7 +69,7 @@ def study(
 def main() -> None:
     """Do what the command line says."""
     parser = argparse.ArgumentParser(prog="python -m tests.benchmarks.fractional_order")
-    parser.add_argument("what", choices=("run", "pack", "judge", "figures"))
+    parser.add_argument("what", choices=("run", "unpack", "pack", "against", "judge", "figures"))
     parser.add_argument("problems", nargs="*", metavar="PROBLEM", help=", ".join(PROBLEMS))
     parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3])
     parser.add_argument("--learning", choices=("both", "with", "without"), default="both")
@@ -90,6 +92,10 @@ def main() -> None:
         study(Store(given.folder), problems, given.seeds, learnings, given.trials, given.further)
     elif given.what == "pack":
         Store(given.folder).pack()
+    elif given.what == "unpack":
+        Store(given.folder).unpack()
+    elif given.what == "against":
+        sys.stdout.write(Store(given.folder).against())
     elif given.what == "judge":
         for name, table in all_tables(load()).items():
             write_text(ARCHIVE / f"{name}.txt", table)

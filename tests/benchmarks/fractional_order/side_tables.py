@@ -151,8 +151,10 @@ def errors(results: Results, budget: str) -> str:
 
 def _default_text(results: Results, problem: str, learning: bool) -> str:
     """Return the error of the law with its defaults, the mean over the held-out settings [mrad]."""
-    seed = seeds_of(results, problem, learning)[0]
-    found = held_out(results, Search(problem, "free", learning, seed), DEFAULT)
+    seeds = seeds_of(results, problem, learning)
+    if not seeds:
+        return NOTHING
+    found = held_out(results, Search(problem, "free", learning, seeds[0]), DEFAULT)
     return f"{1e3 * math.exp(np.mean(np.log(found[:, 0]))):.3g}"
 
 

@@ -28,6 +28,12 @@ OUTCOME = ("error [rad]", "torque variation [N·m/s]", "peak torque [N·m]", "sh
 TRIAL_HEAD = ("problem", "configuration", "learning", "seed", "trial", *GAINS, *OUTCOME)
 HELD_OUT_HEAD = ("problem", "configuration", "learning", "seed", "trial", "setting", *OUTCOME)
 
+HEADS = {"trials": TRIAL_HEAD, "held_out": HELD_OUT_HEAD}
+"""Columns of both kinds of tables."""
+KEYS = {"trials": 5, "held_out": 6}
+"""How many of a line's first cells tell its run from all others."""
+Key = tuple[str, ...]
+
 
 class Search(NamedTuple):
     """What tells one search from another; as seed of what is not searched, 0."""
@@ -95,16 +101,65 @@ class Store:
         return results
 
     def pack(self, archive: Path = ARCHIVE) -> None:
-        """Write everything into the archive."""
-        for kind, head in (("trials", TRIAL_HEAD), ("held_out", HELD_OUT_HEAD)):
+        """Add everything to the archive, which loses nothing that it holds.
+
+        Raises:
+            RuntimeError: a run is stored already and has come out otherwise.
+        """
+        merged = {}
+        for kind in HEADS:
+            stored, ours = _archived_lines(archive, kind), self._lines(kind)
+            other = _differing(kind, stored, ours)
+            if other:
+                raise RuntimeError(
+                    f"{len(other)} runs of {self.folder} are stored already and came out otherwise "
+                    f"there, the first: {','.join(other[0])}; take its file away, or the archive's"
+                )
+            merged[kind] = {
+                file: stored.get(file, {}) | ours.get(file, {}) for file in stored | ours
+            }
+        for kind, head in HEADS.items():
             text = io.StringIO()
             csv.writer(text, lineterminator="\n").writerow(head)
-            for path in sorted(self.folder.glob(f"*.{kind}.csv")):
-                text.writelines(f"{line}\n" for line in _whole_lines(path))
+            for file in sorted(merged[kind]):
+                text.writelines(f"{line}\n" for line in merged[kind][file].values())
             with replacing(archive / f"{kind}.csv.xz") as stream:
                 stream.write(
                     lzma.compress(text.getvalue().encode(), preset=9 | lzma.PRESET_EXTREME)
                 )
+
+    def unpack(self, archive: Path = ARCHIVE) -> None:
+        """Write what the archive holds into the folder's files, so that a study goes on from it.
+
+        Raises:
+            FileExistsError: the folder has files of a study already; none is touched then.
+        """
+        if any(self.folder.glob("*.csv")):
+            raise FileExistsError(f"{self.folder} has runs already; name an empty folder")
+        for kind in HEADS:
+            for file, lines in _archived_lines(archive, kind).items():
+                text = "".join(f"{line}\n" for line in lines.values())
+                with replacing(self.folder / file) as stream:
+                    stream.write(text.encode())
+
+    def against(self, archive: Path = ARCHIVE) -> str:
+        """Return what tells whether runs of the folder came out as the archive holds them."""
+        told = []
+        for kind in HEADS:
+            stored, ours = _archived_lines(archive, kind), self._lines(kind)
+            for file in sorted(stored.keys() & ours.keys()):
+                both = len(stored[file].keys() & ours[file].keys())
+                other = len(_differing(kind, {file: stored[file]}, {file: ours[file]}))
+                told.append(
+                    f"{file}: {both} runs in both, {both - other} the same to the last digit"
+                )
+        return "".join(f"{line}\n" for line in told) or "no run is in both\n"
+
+    def _lines(self, kind: str) -> dict[str, dict[Key, str]]:
+        return {
+            path.name: _keyed(kind, _whole_lines(path))
+            for path in sorted(self.folder.glob(f"*.{kind}.csv"))
+        }
 
     def _path(self, search: Search, kind: str) -> Path:
         return self.folder / f"{search.file}.{kind}.csv"
@@ -125,6 +180,36 @@ def load(archive: Path = ARCHIVE) -> Results:
         text = lzma.decompress((archive / f"{kind}.csv.xz").read_bytes()).decode()
         _read(results, kind, text.splitlines()[1:])
     return results
+
+
+def _archived_lines(archive: Path, kind: str) -> dict[str, dict[Key, str]]:
+    """Return the lines of an archive, by the files that they came from."""
+    path = archive / f"{kind}.csv.xz"
+    found: dict[str, dict[Key, str]] = {}
+    if path.exists():
+        text = lzma.decompress(path.read_bytes()).decode()
+        for key, line in _keyed(kind, text.splitlines()[1:]).items():
+            search = Search(key[0], key[1], key[2] == "1", int(key[3]))
+            found.setdefault(f"{search.file}.{kind}.csv", {})[key] = line
+    return found
+
+
+def _keyed(kind: str, lines: Iterable[str]) -> dict[Key, str]:
+    lines = [*lines]
+    cells = csv.reader(lines)
+    return {tuple(row[: KEYS[kind]]): line for row, line in zip(cells, lines, strict=True)}
+
+
+def _differing(
+    kind: str, stored: Mapping[str, dict[Key, str]], ours: Mapping[str, dict[Key, str]]
+) -> list[Key]:
+    """Return the runs that both have, and that are not the same."""
+    return [
+        key
+        for file, lines in ours.items()
+        for key, line in lines.items()
+        if stored.get(file, {}).get(key, line) != line
+    ]
 
 
 def _read(results: Results, kind: str, lines: Iterable[str]) -> None:

@@ -131,3 +131,45 @@ def test_the_archive_names_its_columns(tmp_path):
     text = lzma.decompress((tmp_path / "trials.csv.xz").read_bytes()).decode()
     assert text.split(",")[:5] == ["problem", "configuration", "learning", "seed", "trial"]
     assert "peak torque [N·m]" in text
+
+
+def _two_runs(folder, error=1e-3):
+    made = Store(folder)
+    made.add_trial(SEARCH, 0, Trial({"A": 28.0}, Outcome(error, 100.0, 50.5, 0.5)))
+    made.add_held_out(SEARCH, 0, 3, Outcome(1e-6, 3.0, 2.0, 0.25))
+    return made
+
+
+def test_packing_keeps_what_the_archive_holds(tmp_path):
+    _two_runs(tmp_path / "first").pack(tmp_path)
+    second = Store(tmp_path / "second")
+    second.add_trial(SEARCH._replace(seed=3), 0, Trial({"A": 5.0}, lost()))
+    second.add_trial(SEARCH, 1, Trial({"A": 6.0}, lost()))
+    second.pack(tmp_path)
+    found = store.load(tmp_path)
+    assert [trial.gains["A"] for trial in found.trials[SEARCH]] == [28.0, 6.0]
+    assert [trial.gains["A"] for trial in found.trials[SEARCH._replace(seed=3)]] == [5.0]
+    assert found.held_out[SEARCH] == {(0, 3): Outcome(1e-6, 3.0, 2.0, 0.25)}
+
+
+def test_what_is_unpacked_packs_to_the_same_bytes(tmp_path):
+    _two_runs(tmp_path / "first").pack(tmp_path)
+    again, other = Store(tmp_path / "again"), tmp_path / "other"
+    again.unpack(tmp_path)
+    other.mkdir()
+    again.pack(other)
+    for kind in store.HEADS:
+        name = f"{kind}.csv.xz"
+        assert (other / name).read_bytes() == (tmp_path / name).read_bytes()
+    with pytest.raises(FileExistsError, match="empty folder"):
+        again.unpack(tmp_path)
+
+
+def test_a_run_that_comes_out_otherwise_is_told_and_not_packed(tmp_path):
+    _two_runs(tmp_path / "first").pack(tmp_path)
+    before = (tmp_path / "trials.csv.xz").read_bytes()
+    again = _two_runs(tmp_path / "again", error=2e-3)
+    assert "1 runs in both, 0 the same" in again.against(tmp_path)
+    with pytest.raises(RuntimeError, match="came out otherwise"):
+        again.pack(tmp_path)
+    assert (tmp_path / "trials.csv.xz").read_bytes() == before
