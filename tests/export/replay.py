@@ -103,6 +103,8 @@ def cases_of(name, cases, duration):
         seconds = 10.0 if duration is None else duration
         yield "paper", two_link.nominal_arm(), 1e-3, lambda c: two_link.run(c, duration=seconds)
     for case in chosen_cases(cases):
+        if not case.suits(arm):
+            continue
         scenario = case.scenario_of(arm)
         seconds = scenario.course.duration if duration is None else duration
         yield (
