@@ -128,6 +128,7 @@ class GuardedLaw:
             "tau": (n, "last torque, what the drives add included [N*m, N]"),
             "sent": (n, "what of it is to be commanded [N*m, N]"),
             "recent": (n, "average of the last torques [N*m, N]"),
+            "lag": (n, "how far the torque is behind for its rate [N*m, N]"),
             "seen_q": (nq, "where the arm was last seen [rad, m]"),
             "seen_v": (n, "its velocity there [rad/s, m/s]"),
             "M": (n * n, "mass matrix there [kg*m^2, kg]"),

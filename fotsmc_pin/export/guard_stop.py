@@ -71,7 +71,7 @@ class GuardStop(GuardLines):
         ]
 
     def _advance(self) -> list[str]:
-        draw = self._kernel(drawn, 2, 1, 1, 1, 0, -ROWS)
+        draw = self._kernel(drawn, 2, 1, 1, 1, 0, 0, -ROWS)
         advance = self._kernel(advanced, 2, *[1] * 4, *[0] * 4, -ROWS)
         turning, joints, real = self._bare.turning, self._bare.joints, self._real
         zero, one, learnt = (self._number(value) for value in (0.0, 1.0, LEARNT))
@@ -86,7 +86,7 @@ class GuardStop(GuardLines):
                 [
                     self._each(f"state->path[{self._n * UNKNOWN} + i] = unknown[i];"),
                     f"state->path_bound = {draw}(state->M, state->h, {EFFORT},",
-                    "    state->torque_rate, state->stop_ramp, state->path);",
+                    "    state->torque_rate, state->stop_ramp, !state->by_law, state->path);",
                     self._each("state->last[i] = {0};", zero),
                     "state->under_way = 1;",
                 ],

@@ -59,7 +59,15 @@ class BrakingPath(SharesNothing):
         self.torque_rate = np.full(arm.nv, np.inf) if torque_rate is None else torque_rate
         self._q, self._motion = np.zeros(arm.nq), np.zeros((ROWS, arm.nv))
 
-    def begin(self, start: tuple[Array, Array, Array], M: Array, h: Array, unknown: Array) -> None:
+    def begin(
+        self,
+        start: tuple[Array, Array, Array],
+        M: Array,
+        h: Array,
+        unknown: Array,
+        *,
+        is_urgent: bool = False,
+    ) -> None:
         """Begin the path.
 
         Args:
@@ -67,11 +75,12 @@ class BrakingPath(SharesNothing):
             M: mass matrix there (nv, nv).
             h: `C v + G` there (nv,).
             unknown: torque that the arm bears there beside `M a + h` (nv,).
+            is_urgent: whether the deceleration is to rise soon, also where torques suffice.
         """
         motion, limit = self._motion, self._arm.effort_limit
         self._q = np.array(start[0], dtype=np.float64)
         motion[SPEED], motion[RATE], motion[UNKNOWN] = start[1], start[2], unknown
-        self.bound = drawn(M, h, limit, self.torque_rate, self.least, motion)
+        self.bound = drawn(M, h, limit, self.torque_rate, self.least, is_urgent, motion)
 
     def advance(
         self, M: Array, h: Array, tau: Array, dt: float, *, learns: bool = True
