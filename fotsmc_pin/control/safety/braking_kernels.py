@@ -33,7 +33,7 @@ GENTLE_RISE, URGENT_RISE, RISE = 0.3, 0.05, 0.15
 """Share of the time of a gentle stop in which its deceleration rises; of one in which the law is in
 doubt, which may be blind and knows no more later; and of one that the torque limits make long,
 where what rises late is way lost. The last is of the hardest deceleration."""
-RATE_SHARE = 0.5
+RATE_SHARE = 0.75
 """Share of the torque rate that the rise of the deceleration may take."""
 EASING = 0.02
 """Time in which the acceleration at the start is faded out, at most [s]."""
