@@ -29,7 +29,7 @@ LONGEST = 0.5
 """The slowest braking, for an arm that is too weak to hold itself while it brakes [s]."""
 HARDER = 2.0
 """Times as hard as usual at most may a joint brake where that relieves others."""
-GENTLE_RISE, URGENT_RISE, RISE = 0.3, 0.05, 0.15
+GENTLE_RISE, URGENT_RISE, RISE = 0.3, 0.1, 0.15
 """Share of the time of a gentle stop in which its deceleration rises; of one in which the law is in
 doubt, which may be blind and knows no more later; and of one that the torque limits make long,
 where what rises late is way lost. The last is of the hardest deceleration."""
