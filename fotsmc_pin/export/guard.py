@@ -134,6 +134,7 @@ class GuardedLaw:
             "M": (n * n, "mass matrix there [kg*m^2, kg]"),
             "h": (n, "C v + g there [N*m, N]"),
             "g": (n, "gravity there [N*m, N]"),
+            "turning": (n, "C v there [N*m, N]"),
             "target_q": (nq, "what is followed [rad, m]"),
             "target_v": (n, "its velocity [rad/s, m/s]"),
             "target_a": (n, "its acceleration [rad/s^2, m/s^2]"),

@@ -69,6 +69,16 @@ def way_in(motion: Array, time: float) -> float:
 
 
 @kernel
+def speed_left(motion: Array) -> float:
+    """Return which share is left of a torque that grows with the square of the speeds."""
+    left, whole = 0.0, 0.0
+    for i in range(motion.shape[1]):
+        left += motion[SPEED, i] * motion[SPEED, i]
+        whole += motion[START, i] * motion[START, i]
+    return float(min(left / max(whole, NO_WAY * NO_WAY), 1.0))
+
+
+@kernel
 def drawn(
     M: Array,
     h: Array,

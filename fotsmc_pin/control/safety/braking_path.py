@@ -16,6 +16,7 @@ from fotsmc_pin.control.safety.braking_kernels import (
     WAY,
     advanced,
     drawn,
+    speed_left,
 )
 from fotsmc_pin.control.saved_state import present
 from fotsmc_pin.copying import SharesNothing
@@ -99,6 +100,11 @@ class BrakingPath(SharesNothing):
         self.bound = advanced(M, h, tau, *limits, self.least, weight, dt, self.bound, motion)
         q = self._arm.integrate(self._q, motion[WAY])
         return q, motion[SPEED].copy(), motion[RATE].copy()
+
+    @property
+    def speed_left(self) -> float:
+        """Which share the path leaves of a torque that grows with the square of the speeds."""
+        return speed_left(self._motion)
 
     def save_state(self) -> dict[str, Array]:
         """Return everything that is remembered."""
