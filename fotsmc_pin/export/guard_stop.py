@@ -15,6 +15,7 @@ from fotsmc_pin.control.safety.braking_kernels import (
     WAY,
     advanced,
     drawn,
+    speed_left,
 )
 from fotsmc_pin.control.safety.safe_stop import ALIKE, ASTRAY, LOST, NEAR
 from fotsmc_pin.control.safety.steps import is_kept
@@ -54,6 +55,7 @@ class GuardStop(GuardLines):
                 [
                     self._each("state->seen_q[i] = q[i];", size=self._nq),
                     self._each("state->seen_v[i] = v[i]; state->h[i] = h[i]; state->g[i] = g[i];"),
+                    self._each("state->turning[i] = h[i] - g[i];"),
                     self._each("state->M[i] = M[i];", size=self._n**2),
                     "state->placed = 1;",
                 ],
@@ -71,7 +73,7 @@ class GuardStop(GuardLines):
         ]
 
     def _advance(self) -> list[str]:
-        draw = self._kernel(drawn, 2, 1, 1, 1, 0, -ROWS)
+        draw = self._kernel(drawn, 2, 1, 1, 1, 0, 0, -ROWS)
         advance = self._kernel(advanced, 2, *[1] * 4, *[0] * 4, -ROWS)
         turning, joints, real = self._bare.turning, self._bare.joints, self._real
         zero, one, learnt = (self._number(value) for value in (0.0, 1.0, LEARNT))
@@ -86,7 +88,7 @@ class GuardStop(GuardLines):
                 [
                     self._each(f"state->path[{self._n * UNKNOWN} + i] = unknown[i];"),
                     f"state->path_bound = {draw}(state->M, state->h, {EFFORT},",
-                    "    state->torque_rate, state->stop_ramp, state->path);",
+                    "    state->torque_rate, state->stop_ramp, !state->by_law, state->path);",
                     self._each("state->last[i] = {0};", zero),
                     "state->under_way = 1;",
                 ],
@@ -154,6 +156,7 @@ class GuardStop(GuardLines):
             self._kernel(borne, *[1] * 3, 2, 1, 1, 1),
         )
         within = f"{self._number(LOST)}, {self._number(ASTRAY)}"
+        slower = self._kernel(speed_left, -ROWS)
         return block(
             f"static void guard_brake_on({self._state}, bool seen, "
             f"{self._pointers('q', 'v', 'M', 'h', 'g')}, {real} dt)",
@@ -163,8 +166,9 @@ class GuardStop(GuardLines):
                 "if (seen) {",
                 "    guard_see(state, q, v, M, h, g);",
                 "} else {",
-                "    /* What the speed is by now is not known. */",
-                f"    {self._each('state->h[i] = state->g[i];')}",
+                "    /* Of C v so much is left as the arm has become slower unseen. */",
+                f"    const {real} left = {slower}(state->path);",
+                f"    {self._each('state->h[i] = state->g[i] + left * state->turning[i];')}",
                 "}",
                 "guard_advance(state, seen, dt);",
                 "if (!seen || !state->by_law) { return; }",

@@ -169,7 +169,7 @@ class GuardTick(GuardStop):
         )
 
     def _send(self) -> list[str]:
-        finite, limit = self._kernel(finite_or_last, 1, 1), self._kernel(within_limits, *[1] * 6, 0)
+        finite, limit = self._kernel(finite_or_last, 1, 1), self._kernel(within_limits, *[1] * 7, 0)
         average = self._kernel(averaged, 1, 1, 0)
         return block(
             f"static void guard_send({self._state}, {self._real} *wanted, {self._real} dt)",
@@ -181,8 +181,8 @@ class GuardTick(GuardStop):
                 "    state->has_sent = 1;",
                 "}",
                 f"{finite}(wanted, state->tau);",
-                f"{limit}(wanted, state->tau, state->sent, added, state->torque_rate, {EFFORT}, "
-                "dt);",
+                f"{limit}(wanted, state->tau, state->sent, added, state->torque_rate, {EFFORT},",
+                "    state->lag, dt);",
                 self._each("state->tau[i] = wanted[i]; state->sent[i] = wanted[i] - added[i];"),
                 f"{average}(state->recent, state->tau, dt);",
             ],

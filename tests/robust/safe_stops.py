@@ -1,6 +1,7 @@
 """Safe stops from full speed with an unknown payload, under every convention of a robot's drives.
 
     python -m tests.robust.safe_stops [ARM...] [--motions N] [--rotors SHARE] [--delay TICKS]
+        [--torque-rate R] [--distrust]
 
 Each run moves all joints of a MuJoCo robot at their speed limits at once, stops it there, and
 watches it for a second. Motions differ in place and direction.
@@ -91,7 +92,16 @@ def full_speed(arm, true, seed):
 
 
 def stop_once(
-    name, compensates, *, seed=0, payload=2.0, rotors=0.0, delay=1, friction=0.0, trust_law=True
+    name,
+    compensates,
+    *,
+    seed=0,
+    payload=2.0,
+    rotors=0.0,
+    delay=1,
+    friction=0.0,
+    torque_rate=None,
+    trust_law=True,
 ):
     """Return the `Stop` of one run.
 
@@ -106,7 +116,9 @@ def stop_once(
     robot = MujocoRobot(
         true, start, compensates=compensates, believed=arm, delay=delay, clock=clock
     )
-    controller = fp.Safeguard(fp.RobustFONFTSM(arm, DT), soft_start=0.0, speed_margin=1.3)
+    controller = fp.Safeguard(
+        fp.RobustFONFTSM(arm, DT), soft_start=0.0, speed_margin=1.3, torque_rate=torque_rate
+    )
     controller.compensates = compensates
     for _ in range(delay):
         robot.write(arm.gravity(start) * ("gravity" not in compensates))
@@ -142,12 +154,16 @@ def table(given):
     for name in given.arms:
         for words in CONVENTIONS[: given.conventions]:
             options = {"rotors": given.rotors, "friction": given.friction, "delay": given.delay}
+            options["torque_rate"] = given.torque_rate
             rows = [
                 stop_once(name, words, seed=seed, trust_law=not given.distrust, **options)
                 for seed in range(given.motions)
             ]
             broken = sum(row.broke is not None for row in rows)
             rows = [row for row in rows if row.broke is None]
+            if not rows:
+                yield f"{name:7} {'+'.join(words) or 'nothing':25}  not reached {broken}"
+                continue
             cells = [f"{name:7} {'+'.join(words) or 'nothing':25}"]
             for field in ("rest", "way", "speed", "sag", "planned"):
                 values = [getattr(row, field) for row in rows]
@@ -165,6 +181,7 @@ def main():
     parser.add_argument("--rotors", type=float, default=0.0)
     parser.add_argument("--friction", type=float, default=0.5)
     parser.add_argument("--delay", type=int, default=1)
+    parser.add_argument("--torque-rate", type=float)
     parser.add_argument("--conventions", type=int, default=len(CONVENTIONS))
     parser.add_argument("--distrust", action="store_true", help="stop without the law")
     for line in table(parser.parse_args()):

@@ -29,10 +29,11 @@ LONGEST = 0.5
 """The slowest braking, for an arm that is too weak to hold itself while it brakes [s]."""
 HARDER = 2.0
 """Times as hard as usual at most may a joint brake where that relieves others."""
-GENTLE_RISE, RISE = 0.3, 0.15
-"""Share of the time of a gentle stop in which its deceleration rises; and of one that the torque
-limits make long, where what rises late is way lost."""
-RATE_SHARE = 0.5
+GENTLE_RISE, URGENT_RISE, RISE = 0.3, 0.1, 0.15
+"""Share of the time of a gentle stop in which its deceleration rises; of one in which the law is in
+doubt, which may be blind and knows no more later; and of one that the torque limits make long,
+where what rises late is way lost. The last is of the hardest deceleration."""
+RATE_SHARE = 0.75
 """Share of the torque rate that the rise of the deceleration may take."""
 EASING = 0.02
 """Time in which the acceleration at the start is faded out, at most [s]."""
@@ -68,8 +69,24 @@ def way_in(motion: Array, time: float) -> float:
 
 
 @kernel
+def speed_left(motion: Array) -> float:
+    """Return which share is left of a torque that grows with the square of the speeds."""
+    left, whole = 0.0, 0.0
+    for i in range(motion.shape[1]):
+        left += motion[SPEED, i] * motion[SPEED, i]
+        whole += motion[START, i] * motion[START, i]
+    return float(min(left / max(whole, NO_WAY * NO_WAY), 1.0))
+
+
+@kernel
 def drawn(
-    M: Array, h: Array, limit: Array, torque_rate: Array, shortest: float, motion: Array
+    M: Array,
+    h: Array,
+    limit: Array,
+    torque_rate: Array,
+    shortest: float,
+    is_urgent: bool,
+    motion: Array,
 ) -> float:
     """Begin a path, and return the least way of the joint that moves farthest [rad, m].
 
@@ -79,6 +96,7 @@ def drawn(
         limit: effort limits (nv,).
         torque_rate: largest rates of the torques (nv,); inf for none.
         shortest: least time in which a joint brakes, unless that relieves others [s].
+        is_urgent: whether the deceleration is to rise soon, also where torques suffice.
         motion: the path's table; velocity, acceleration and unknown torque are where it begins,
             all else is overwritten.
     """
@@ -89,7 +107,8 @@ def drawn(
         motion[JERK, i] = abs(motion[RATE, i]) / EASING
     time = common_time(motion, shortest)
     least, most = way_in(motion, time), way_in(motion, max(time, LONGEST))
-    limit_jerk(M, torque_rate, GENTLE_RISE * time * time, motion)
+    rise = URGENT_RISE if is_urgent else GENTLE_RISE
+    limit_jerk(M, torque_rate, rise * time * time, motion)
     sweeps = keeps_torque(least, M, h, limit, shortest, motion)
     if sweeps == 1:
         most = least

@@ -16,6 +16,7 @@ from fotsmc_pin.control.safety.braking_kernels import (
     WAY,
     advanced,
     drawn,
+    speed_left,
 )
 from fotsmc_pin.control.saved_state import present
 from fotsmc_pin.copying import SharesNothing
@@ -59,7 +60,15 @@ class BrakingPath(SharesNothing):
         self.torque_rate = np.full(arm.nv, np.inf) if torque_rate is None else torque_rate
         self._q, self._motion = np.zeros(arm.nq), np.zeros((ROWS, arm.nv))
 
-    def begin(self, start: tuple[Array, Array, Array], M: Array, h: Array, unknown: Array) -> None:
+    def begin(
+        self,
+        start: tuple[Array, Array, Array],
+        M: Array,
+        h: Array,
+        unknown: Array,
+        *,
+        is_urgent: bool = False,
+    ) -> None:
         """Begin the path.
 
         Args:
@@ -67,11 +76,12 @@ class BrakingPath(SharesNothing):
             M: mass matrix there (nv, nv).
             h: `C v + G` there (nv,).
             unknown: torque that the arm bears there beside `M a + h` (nv,).
+            is_urgent: whether the deceleration is to rise soon, also where torques suffice.
         """
         motion, limit = self._motion, self._arm.effort_limit
         self._q = np.array(start[0], dtype=np.float64)
         motion[SPEED], motion[RATE], motion[UNKNOWN] = start[1], start[2], unknown
-        self.bound = drawn(M, h, limit, self.torque_rate, self.least, motion)
+        self.bound = drawn(M, h, limit, self.torque_rate, self.least, is_urgent, motion)
 
     def advance(
         self, M: Array, h: Array, tau: Array, dt: float, *, learns: bool = True
@@ -90,6 +100,11 @@ class BrakingPath(SharesNothing):
         self.bound = advanced(M, h, tau, *limits, self.least, weight, dt, self.bound, motion)
         q = self._arm.integrate(self._q, motion[WAY])
         return q, motion[SPEED].copy(), motion[RATE].copy()
+
+    @property
+    def speed_left(self) -> float:
+        """Which share the path leaves of a torque that grows with the square of the speeds."""
+        return speed_left(self._motion)
 
     def save_state(self) -> dict[str, Array]:
         """Return everything that is remembered."""

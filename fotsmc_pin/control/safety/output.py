@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from fotsmc_pin.control.safety.seen import Seen
     from fotsmc_pin.types import Array
 
-MEMORY = ("tau", "sent", "recent")
+MEMORY = ("tau", "sent", "recent", "lag")
 
 
 class Output(SharesNothing):
@@ -35,6 +35,7 @@ class Output(SharesNothing):
         tau: the last tick's total torque (nv,) [N·m, N].
         sent: what of it is to be commanded (nv,).
         recent: average of the last torques (nv,).
+        lag: how far the torque is from what it would be without a limit of its rate (nv,).
         has_sent: whether there was one since the last reset.
     """
 
@@ -45,7 +46,7 @@ class Output(SharesNothing):
 
     def reset(self) -> None:
         """Forget every torque."""
-        self.tau, self.sent, self.recent = np.zeros((3, self.arm.nv))
+        self.tau, self.sent, self.recent, self.lag = np.zeros((4, self.arm.nv))
         self.has_sent = False
 
     def send(
@@ -72,11 +73,12 @@ class Output(SharesNothing):
         last, sent, rate, limit = self.tau, self.sent, self.rate, self._limit
 
         def allowed(tau: Array) -> Array:
-            within_limits(tau, last, sent, added, rate, limit, dt)
+            no_lag = np.zeros(tau.size)
+            within_limits(tau, last, sent, added, rate, limit, no_lag, dt)
             return tau
 
         finite_or_last(tau, last)
-        tau = allowed(tau)
+        within_limits(tau, last, sent, added, rate, limit, self.lag, dt)
         if limits is not None:
             is_free = not adds and bool(np.isinf(rate).all())
             tau = limits.torque(tau, None if is_free else allowed, terms)
@@ -95,8 +97,8 @@ class Output(SharesNothing):
             ArgumentError: an array is missing or of the wrong shape. The memory stays as it was.
         """
         n = self.arm.nv
-        tau, sent, recent = (
+        tau, sent, recent, lag = (
             np.array(checks.finite_vector(name, present(arrays, name), n)) for name in MEMORY
         )
         self.has_sent = bool(present(arrays, "has_sent"))
-        self.tau, self.sent, self.recent = tau, sent, recent
+        self.tau, self.sent, self.recent, self.lag = tau, sent, recent, lag

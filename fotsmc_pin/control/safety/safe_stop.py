@@ -72,7 +72,8 @@ class SafeStop(SharesNothing):
             start = target
         load = np.zeros(self.arm.nv)
         beyond_inertia(start[2], tau, seen.mass_matrix, load)
-        self.path.begin(start, seen.mass_matrix, seen.h, load - seen.h)
+        in_doubt = not self.by_law
+        self.path.begin(start, seen.mass_matrix, seen.h, load - seen.h, is_urgent=in_doubt)
         self.brake.begin(seen.v, start[2], tau, seen.mass_matrix, seen.h)
         self.is_under_way = True
 
@@ -95,7 +96,7 @@ class SafeStop(SharesNothing):
         if state is None or not self.by_law or self._is_kept(state, target, LOST, ASTRAY):
             return target
         self.by_law, nothing = False, np.zeros(self.arm.nv)
-        self.path.begin((*state, nothing), M, h, nothing)
+        self.path.begin((*state, nothing), M, h, nothing, is_urgent=True)
         self.brake.begin(state[1], target[2], recent, M, h)
         return self.path.advance(M, h, tau, dt, learns=False)
 

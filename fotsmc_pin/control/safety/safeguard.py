@@ -284,7 +284,7 @@ class Safeguard(Wrapper):
         if not stop.is_under_way:
             stop.begin(seen, self._target, output.recent)
         if state is None:
-            seen.look_away()
+            seen.look_away(stop.path.speed_left)
         else:
             seen.see(*state, is_believed=is_believed)
         return stop.advance(state, seen, (output.tau, output.recent), period)

@@ -26,6 +26,7 @@ class Seen(SharesNothing):
         q: configuration (nq,); None before the first.
         v: velocity (nv,).
         is_believed: whether `v` was measured; else nothing is known of `C v`, which is left out.
+        share: which share of `C v` is left since then, where the arm has become slower unseen.
     """
 
     def __init__(self, arm: Arm) -> None:
@@ -36,20 +37,19 @@ class Seen(SharesNothing):
         """Forget it."""
         self.q: Array | None = None
         self.v = np.zeros(self.arm.nv)
-        self.is_believed = True
+        self.is_believed, self.share = True, 1.0
         self._M: Array | None = None
         self._h: Array | None = None
         self._g: Array | None = None
 
     def see(self, q: Array, v: Array, *, is_believed: bool = True) -> None:
         """Take a measurement."""
-        self.q, self.v, self.is_believed = q, v, is_believed
+        self.q, self.v, self.is_believed, self.share = q, v, is_believed, 1.0
         self._M = self._h = self._g = None
 
-    def look_away(self) -> None:
-        """Go on without a measurement: what the speed is by now is not known."""
-        if self.is_believed:
-            self.is_believed, self._h = False, None
+    def look_away(self, share: float) -> None:
+        """Go on without a measurement: of `C v` so much is left as the arm has become slower."""
+        self.share, self._h = share, None
 
     @property
     def mass_matrix(self) -> Array:
@@ -61,12 +61,14 @@ class Seen(SharesNothing):
 
     @property
     def h(self) -> Array:
-        """`C v + G` (nv,) [N·m, N]; `G` where the speed is not believed."""
+        """`C v + G` (nv,) [N·m, N], with what is left of `C v`; `G` for a speed not believed."""
         assert self.q is not None
         if self._h is None:
             still = np.zeros(self.arm.nv)
             believed = self.is_believed
             self._h = self.arm.inverse_dynamics(self.q, self.v, still) if believed else self.gravity
+            if self.share != 1.0:
+                self._h = self.gravity + self.share * (self._h - self.gravity)
         return self._h
 
     @property
@@ -80,7 +82,8 @@ class Seen(SharesNothing):
     def save_state(self) -> dict[str, Array]:
         """Return everything that is remembered."""
         q = np.zeros(0) if self.q is None else self.q
-        return {"q": q, "v": self.v, "is_believed": np.array(self.is_believed)}
+        known = {"is_believed": np.array(self.is_believed), "share": np.array(self.share)}
+        return {"q": q, "v": self.v} | known
 
     def restore_state(self, arrays: Mapping[str, ArrayLike]) -> None:
         """Take over what `save_state` gave.
@@ -92,5 +95,6 @@ class Seen(SharesNothing):
         q = checks.finite_vector("q", given, self.arm.nq) if np.size(given) else None
         v = checks.finite_vector("v", present(arrays, "v"), self.arm.nv)
         is_believed = bool(present(arrays, "is_believed"))
+        share = checks.finite_number("share", present(arrays, "share"), at_least=0.0, at_most=1.0)
         self.reset()
-        self.q, self.v, self.is_believed = q, v, is_believed
+        self.q, self.v, self.is_believed, self.share = q, v, is_believed, share

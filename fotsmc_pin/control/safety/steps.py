@@ -11,6 +11,9 @@ from fotsmc_pin.control.functions import clip
 if TYPE_CHECKING:
     from fotsmc_pin.types import Array
 
+CATCHING_UP, CAUGHT_UP = 20.0, 1e-4
+"""Rate at which a torque makes up for what its own rate made it lag behind [1/s], and the lag, as a
+share of the limit, that does not count."""
 RECENT = 100.0
 """Rate at which the torque is averaged that a stop begins with [1/s]."""
 
@@ -80,9 +83,21 @@ def finite_or_last(tau: Array, last: Array) -> None:
 
 @kernel
 def within_limits(
-    tau: Array, last: Array, sent: Array, added: Array, rate: Array, limit: Array, dt: float
+    tau: Array,
+    last: Array,
+    sent: Array,
+    added: Array,
+    rate: Array,
+    limit: Array,
+    lag: Array,
+    dt: float,
 ) -> None:
     """Keep a torque within all limits, which hold for the total and for what is commanded.
+
+    A torque that could only follow the last one as far as its rate allows would go on to rise long
+    after the law wants it to fall, and that delay makes loops unstable which were stable without a
+    limit of the rate. So it follows the law's changes from where it is, and what it lags behind is
+    made up for slowly.
 
     Args:
         tau: the total torque (nv,), overwritten.
@@ -91,15 +106,22 @@ def within_limits(
         added: what the drives add to it now (nv,).
         rate: largest rate of either (nv,); inf for none.
         limit: limit of either (nv,).
+        lag: how far the torque is from what it would be without a limit of the rate (nv,),
+            overwritten.
         dt: time since the last tick [s].
     """
+    left = max(1.0 - CATCHING_UP * dt, 0.0)
     for i in range(tau.size):
         step = rate[i] * dt
-        total = min(max(tau[i], last[i] - step), last[i] + step)
+        least, most = max(added[i] - limit[i], -limit[i]), min(added[i] + limit[i], limit[i])
+        free = min(max(tau[i], least), most)
+        total = min(max(free - left * lag[i], last[i] - step), last[i] + step)
         commanded = sent[i] + added[i]
         total = min(max(total, commanded - step), commanded + step)
-        total = min(max(total, added[i] - limit[i]), added[i] + limit[i])
-        tau[i] = clip(total, limit[i])
+        tau[i] = min(max(total, least), most)
+        lag[i] = free - tau[i]
+        if abs(lag[i]) < CAUGHT_UP * limit[i]:
+            lag[i] = 0.0
 
 
 @kernel
