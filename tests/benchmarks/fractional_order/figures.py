@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter
 
 from fotsmc_pin.view import new_figure, paper_style, save_figure
 from fotsmc_pin.view.palette import BLUE, GREEN, GREY, VERMILLION
@@ -42,6 +43,9 @@ IMAGES = ROOT / "docs/images"
 COLORS = {"integer": BLUE, "free": VERMILLION, "pid": GREEN}
 AXIS = {"variation": "torque variation [N·m/s]", "peak": "peak torque [N·m]"}
 COLUMNS = 4
+PARTS = ((1.0, 1.5, 2.0, 3.0, 5.0, 7.0), (1.0, 3.0), (1.0,))
+"""Parts of a decade that are labelled, from the finest on."""
+MOST_LABELS = 4
 FARTHEST = 100.0
 """Errors are shown up to so many times the smallest held-out error of a panel's law."""
 
@@ -150,6 +154,7 @@ def order_figure(results: Results) -> Figure:
         panel.set_ylabel("order α")
         panel.set_ylim(-0.03, 0.93)
         if len(worlds(results)) > 1:
+            panel.set_ylim(-0.03, 1.1)  # Room for the legend above all orders.
             panel.legend(loc="upper right", ncols=2)
     return figure
 
@@ -198,9 +203,12 @@ def _fronts(results: Results, problem: str, question: str, learning: bool, panel
 def _label_decades(axis: Axis) -> None:
     """Write some of each decade as plain numbers, as many as there is room for."""
     low, high = axis.get_view_interval()
-    decades = np.log10(high / low)
-    subs = (1.0, 2.0, 5.0) if decades < 1.4 else (1.0, 3.0) if decades < 2.4 else (1.0,)
-    axis.set_major_locator(LogLocator(subs=subs, numticks=9))
+    decades = range(math.floor(math.log10(low)), math.ceil(math.log10(high)))
+    for parts in PARTS:
+        ticks = [part * 10.0**k for k in decades for part in parts if low <= part * 10.0**k <= high]
+        if len(ticks) <= MOST_LABELS:
+            break
+    axis.set_major_locator(FixedLocator(ticks))
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axis.set_minor_formatter(NullFormatter())
 

@@ -24,7 +24,7 @@ from tests.benchmarks.fractional_order.held_out import CARRIED, DEFAULT, LONG_BU
 from tests.benchmarks.fractional_order.judging import paired_interval, pooled_interval
 from tests.benchmarks.fractional_order.polishing import POLISHED
 from tests.benchmarks.fractional_order.searching import TRIALS
-from tests.benchmarks.fractional_order.settings import LONG
+from tests.benchmarks.fractional_order.settings import LONG, PAPER
 from tests.benchmarks.fractional_order.store import Search
 from tests.benchmarks.fractional_order.tables import (
     LEARNING,
@@ -45,31 +45,34 @@ if TYPE_CHECKING:
 
 
 def per_seed(results: Results, pair: str) -> str:
-    """Return a line per arm and world, a column per seed: the ratio of errors by one search."""
+    """Return a line per arm and world, a column per seed: the ratio of errors by one search.
+
+    Below each world all arms but the paper's case, of those that were searched with the seed.
+    """
     ours, others = PAIRS[pair]
     seeds = sorted({search.seed for search in results.trials})
     rows = []
     for learning in worlds(results):
+        last: list[list[Array]] = [[] for _ in BUDGETS for _ in seeds]
         for problem in done_problems(results, learning):
             done = seeds_of(results, problem, learning, (ours, others))
             cells = [f"{problem}, {LEARNING[learning]}"]
-            for question in BUDGETS:
+            for budgets in BUDGETS.values():
                 for seed in seeds:
-                    found = (
-                        compare(
-                            results,
-                            problem,
-                            learning,
-                            ours,
-                            others,
-                            BUDGETS[question],
-                            seeds=[seed],
+                    found = None
+                    if seed in done:
+                        found = compare(
+                            results, problem, learning, ours, others, budgets, seeds=[seed]
                         )
-                        if seed in done
-                        else None
-                    )
+                    if found is not None and problem != PAPER:
+                        last[len(cells) - 1].append(found.differences)
                     cells.append(NOTHING if found is None else ratio_text(found.ratio))
             rows.append(cells)
+        pooled = [
+            ratio_text(pooled_interval(groups).mapped(np.exp)) if groups else NOTHING
+            for groups in last
+        ]
+        rows.append([f"**{POOLED}, {LEARNING[learning]}**", *pooled])
     head = [f"{question}, seed {seed}" for question in BUDGETS for seed in seeds]
     return markdown_table(["arm", *head], rows, "l" + "r" * len(head))
 
