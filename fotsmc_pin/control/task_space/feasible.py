@@ -2,8 +2,9 @@
 
 What is asked of the tool may not be possible: at the start the tool is elsewhere, at a singularity
 it cannot move in one direction, and joints have ends and speed limits. So a point in the space of
-joints, without mass, goes where the tool is asked to be as far as it can. The law follows where
-this point has the tool; what lies between the two is what was given up.
+joints, without mass, goes where the tool is asked to be as far as it can: it tracks what is near,
+and approaches what is far (`nearest`). The law follows where this point has the tool; what lies
+between the two is what was given up.
 """
 
 from __future__ import annotations
@@ -13,9 +14,10 @@ from typing import TYPE_CHECKING
 
 from fotsmc_pin.compiled import kernel
 from fotsmc_pin.control.task_space.mobility import to_joints
+from fotsmc_pin.control.task_space.nearest import TRUST
 
 if TYPE_CHECKING:
-    from fotsmc_pin.control.task_space.tool_rows import PointRows
+    from fotsmc_pin.control.task_space.tool_rows import GoalRows, PointRows
     from fotsmc_pin.types import Array
 
 APPROACH = 0.5
@@ -35,6 +37,9 @@ REPULSION, CALMING = 50.0, 14.0
 """Acceleration per room that is missing [1/s²], and damping of a joint that has none left [1/s]."""
 CLOSED = 0.25
 """Room over the margin at which the task no longer moves a joint."""
+NEAR, FAR = 0.5, 1.0
+"""Error over `σ_0` up to which a goal is tracked, and from which on it is approached; twice that
+counts as one that is not reached."""
 
 
 @kernel(is_part=True)
@@ -54,12 +59,21 @@ def open_joints(p: PointRows, m: int, J: Array, J_open: Array) -> None:
 
 
 @kernel(is_part=True)
-def lead_point(
-    dt: float, rate: float, posture_rate: float, m: int, p: PointRows,
+def bound_steps(p: PointRows, g: GoalRows) -> None:
+    """Write the bounds of a step: the ends, less where `open_joints` closes, within `TRUST`."""
+    for j in range(p.v.size):
+        closed = CLOSED * min(MARGIN, SHARE * (p.upper[j] - p.lower[j]))
+        g.upper[j] = min(p.upper[j] - closed - p.position[j], TRUST)
+        g.lower[j] = max(p.lower[j] + closed - p.position[j], -TRUST)
+
+
+@kernel(is_part=True)
+def track(
+    rate: float, posture_rate: float, m: int, p: PointRows,
     J: Array, L: Array, Y: Array, Lambda: Array,
     e: Array, e_dot: Array, beta: Array, x: Array, f: Array, lost: float,
 ) -> None:  # fmt: skip
-    """Choose the acceleration of the point, and move its speed by one tick.
+    """Choose the acceleration of the point that tracks what is asked of the tool.
 
     With the error `e` of its tool from what is asked, which moves with `ë = J a + β`, and
     the damped inverse `J̄`, to whose rows the shares of `open_joints` belong,
@@ -68,11 +82,9 @@ def lead_point(
         a_p = -ω_p² (q ⊖ q_p) - 2 ω_p v - ω l v + repulsion of joint ends
 
     `r ≤ 1` slows a far approach so that every joint keeps to half of its velocity limit, and can
-    stop in time with 0.3 of its effort limit. What a joint's speed and acceleration exceed slows
-    all joints alike, so that the direction of the motion stays; and the acceleration changes by no
-    more than 100 times that of an approach in a second. What pulls the point to where it cannot go
-    is a spring about a singularity that nothing damps: `l ≤ 1` does, where directions are given up
-    and the goal is far.
+    stop in time with 0.3 of its effort limit. What pulls the point to where it cannot go is a
+    spring about a singularity that nothing damps: `l ≤ 1` does, where directions are given up and
+    the goal is not near.
     """
     n = p.v.size
     # The approach: r
@@ -108,25 +120,40 @@ def lead_point(
         for j in range(n):
             x[i] -= J[i, j] * p.free[j]
     to_joints(L, Y, Lambda, m, x, p.a, f)
-    share, slower = 1.0, 1.0
     for j in range(n):
         p.a[j] = p.open[j] * p.a[j] + p.free[j]
+
+
+@kernel(is_part=True)
+def move_point(dt: float, p: PointRows, is_one: bool) -> None:
+    """Move the point's speed by one tick, within speed, acceleration and its rate.
+
+    What a joint's speed exceeds slows all joints alike, so that the direction of the motion stays.
+    So does what its acceleration exceeds, and what exceeds the change of that, 100 times that of an
+    approach in a second, where the joints act as one, to move the tool. On the way to a far goal
+    each keeps to its own: one that starts must not take the brake from one that stops.
+    """
+    n, position = p.v.size, p.position
+    share, slower = 1.0, 1.0
+    for j in range(n):
         share = min(share, VIOLENT * p.livest[j] / max(abs(p.a[j]), 1e-12))
     for j in range(n):
-        p.asked[j] = p.v[j] + dt * share * p.a[j]
+        own = VIOLENT * p.livest[j] / max(abs(p.a[j]), 1e-12)
+        p.asked[j] = p.v[j] + dt * (share if is_one else min(own, 1.0)) * p.a[j]
         slower = min(slower, FASTEST * p.fastest[j] / max(abs(p.asked[j]), 1e-12))
+    share = 1.0
     for j in range(n):
         wanted = slower * p.asked[j]
         up = math.sqrt(2.0 * p.livest[j] * max(p.upper[j] - position[j], 0.0))
         down = math.sqrt(2.0 * p.livest[j] * max(position[j] - p.lower[j], 0.0))
         wanted = min(max(wanted, -down), up)
         p.a[j] = (wanted - p.v[j]) / dt
-    share = 1.0
-    for j in range(n):
         change = abs(p.a[j] - p.last_a[j])
         share = min(share, JERK * dt * p.livest[j] / max(change, 1e-12))
     for j in range(n):
-        p.a[j] = p.last_a[j] + share * (p.a[j] - p.last_a[j])
+        change = p.a[j] - p.last_a[j]
+        own = JERK * dt * p.livest[j] / max(abs(change), 1e-12)
+        p.a[j] = p.last_a[j] + (share if is_one else min(own, 1.0)) * change
         p.last_a[j] = p.a[j]
         p.asked[j] = p.v[j] + dt * p.a[j]
         p.move[j] = 0.5 * dt * (p.v[j] + p.asked[j])

@@ -12,8 +12,19 @@ from fotsmc_pin.control.rows import Joints, NoRows, named_rows, rows
 from fotsmc_pin.control.task_space.chain import chain_motion
 from fotsmc_pin.control.task_space.compare import carry, error_rate, rate_of_error, times_jacobian
 from fotsmc_pin.control.task_space.configurations import difference, step
-from fotsmc_pin.control.task_space.feasible import BRAKING, LIVELIEST, lead_point, open_joints
+from fotsmc_pin.control.task_space.feasible import (
+    APPROACH,
+    BRAKING,
+    FAR,
+    LIVELIEST,
+    NEAR,
+    bound_steps,
+    move_point,
+    open_joints,
+    track,
+)
 from fotsmc_pin.control.task_space.mobility import factor, task_inertia
+from fotsmc_pin.control.task_space.nearest import approach, step_to_nearest, weigh
 from fotsmc_pin.control.task_space.pose_log import error_of
 from fotsmc_pin.control.task_space.tool_rows import (
     FACTOR,
@@ -25,6 +36,7 @@ from fotsmc_pin.control.task_space.tool_rows import (
     SCRATCH,
     SIX,
     TASK,
+    GoalRows,
     Numbers,
     PointRows,
     ToolRows,
@@ -36,10 +48,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fotsmc_pin.types import Array
-
-
-FAR = 2.0
-"""Error over `σ_0` from which on a goal counts as one that is not reached."""
 
 
 @kernel
@@ -68,9 +76,13 @@ def see(
     m, n = Lambda.shape[0], joints.shape[1]
     J, J_t = joints[JACOBIAN:JACOBIAN_T], joints[JACOBIAN_T:TASK]
     Je, J_open = joints[TASK:OPEN], joints[OPEN:FACTOR]
-    L, Y, Y_t = joints[FACTOR : FACTOR + n], joints[FACTOR + n : FACTOR + 2 * n], joints[-n:]
+    L, Y, Y_t = joints[FACTOR:], joints[FACTOR + n :], joints[FACTOR + 2 * n :]
+    L, Y, Y_t = L[:n], Y[:n], Y_t[:n]
+    H, C, K = joints[FACTOR + 3 * n :], joints[FACTOR + 4 * n :], joints[FACTOR + 5 * n :]
+    H, C, K = H[:n], C[:n], K[:n]
+    g = named_rows(joints[FACTOR + 6 * n :], GoalRows)
     work = tool[SCRATCH:]
-    E, s = work[:SIX], work[2 * SIX :]
+    E, s, W = work[:SIX], work[2 * SIX :], work[7 * SIX :]
     chain_motion(chain, rigid, q, x.v, pose, J, t.V, t.bias)
     chain_motion(chain, rigid, q_t, p.v, pose_t, J_t, t.V_t, t.bias_t)
     factor(M0, n, L)
@@ -92,14 +104,27 @@ def see(
         p.livest[j] = min(BRAKING * x.effort_limit[j] / M0[j, j], LIVELIEST)
     open_joints(p, m, Je, J_open)
     b.kept_t[0] = task_inertia(J_open, L, m, t.scale, b.threshold[0], Y_t, Lambda, s)
-    far = 0.0
-    for i in range(m):
-        far += (t.scale[i] * t.given_up[i]) ** 2
-    lost = (1.0 - b.kept_t[0]) * min(math.sqrt(far) / (FAR * b.threshold[0]), 1.0)
-    lead_point(
-        dt, b.rate[0], b.posture_rate[0], m, p, Je, L, Y_t, Lambda, t.given_up, t.e_dot, t.beta,
-        t.x, t.f, lost,
-    )  # fmt: skip
+    square = weigh(X, t.given_up, E, kind, m, t.scale, W, t.f)
+    far = math.sqrt(square) / b.threshold[0]
+    share = min(max((far - NEAR) / (FAR - NEAR), 0.0), 1.0)
+    if share > 0.0:
+        bound_steps(p, g)
+        for i in range(SIX):
+            t.x[i] = t.bias_t[i] - t.led_rate[i]
+        step_to_nearest(
+            g, p, chain, J_t, M0, W, t.f, square, t.led, t.x, b.threshold[0],
+            b.posture_rate[0] / b.rate[0], H, C, K,
+        )  # fmt: skip
+    if share < 1.0:
+        lost = (1.0 - b.kept_t[0]) * min(far / (2.0 * FAR), 1.0)
+        track(
+            b.rate[0], b.posture_rate[0], m, p, Je, L, Y_t, Lambda, t.given_up, t.e_dot, t.beta,
+            t.x, t.f, lost,
+        )  # fmt: skip
+    if share > 0.0:
+        follow = 1.0 / (1.0 + 0.25 * (far / FAR) ** 2)
+        approach(g, p, b.rate[0], share, follow, APPROACH)
+    move_point(dt, p, share < 1.0)
     for i in range(SIX):
         t.A_t[i] = t.bias_t[i]
         for c in range(n):

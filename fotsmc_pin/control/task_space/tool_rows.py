@@ -2,8 +2,8 @@
 
 Each array that crosses into a kernel costs time, so that all numbers of the joints, matrices
 included, are rows of one table (rows, nv), and all others of another (rows, 6). The first holds
-`Joints`, `PointRows` of `feasible` and the matrices; the second `ToolRows`, `Numbers`, which have a
-row each, and scratch.
+`Joints`, `PointRows` of `feasible`, the matrices and `GoalRows` of `nearest`; the second
+`ToolRows`, `Numbers`, which have a row each, and scratch.
 """
 
 from __future__ import annotations
@@ -50,6 +50,28 @@ class PointRows(NamedTuple):
     free: Array
     open: Array
     position: Array
+
+
+class GoalRows(NamedTuple):
+    """Rows (nv,) of the approach to a far goal.
+
+    Attributes:
+        step: to where the tool is nearest to the goal [rad].
+        slope: of the squared error [m²/rad].
+        lower: least step [rad].
+        upper: largest step [rad].
+        held: 1 or -1 where a joint is held at its largest or least step, else 0.
+        lead: speed that follows a goal which moves [rad/s].
+        lead_rate: acceleration that does [rad/s²].
+    """
+
+    step: Array
+    slope: Array
+    lower: Array
+    upper: Array
+    held: Array
+    lead: Array
+    lead_rate: Array
 
 
 class ToolRows(NamedTuple):
@@ -129,15 +151,15 @@ TASK = JACOBIAN_T + SIX
 OPEN = TASK + SIX
 """First row of the same with the shares of `open_joints`."""
 FACTOR = OPEN + SIX
-"""First row of `L`, followed by `Y` and `Y_t`, (nv, nv) each."""
+"""First row of `L`, followed by `Y`, `Y_t` and three of scratch, (nv, nv) each, and `GoalRows`."""
 NUMBERS = len(ToolRows._fields)
 """First row of the numbers in the table of the tool."""
 SCRATCH = NUMBERS + len(Numbers._fields)
 """First row of the scratch there."""
-ROOM = 7 * SIX
+ROOM = 8 * SIX
 """Rows of scratch."""
 
 
 def rows_of_joints(nv: int) -> int:
     """Return how many rows the table of the joints has."""
-    return FACTOR + 3 * nv
+    return FACTOR + 6 * nv + len(GoalRows._fields)
