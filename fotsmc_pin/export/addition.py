@@ -69,6 +69,15 @@ class Addition:
         """Return the call of the law's tick, and what stands around it."""
         return [*tick]
 
+    def noted(self, law: str) -> list[str]:
+        """Return what takes note of a torque that acts in place of the tick's own, entry `i`.
+
+        Args:
+            law: the law's state; `tau` and `friction` are the torque and what of it was added
+                against friction.
+        """
+        return [f"{law}.joints.tau[i] = tau[i] - friction[i];"]
+
     def public(self, outer: str, place: str) -> list[tuple[str, str, list[str]]]:
         """Return its public functions: declaration, what a caller has to know, and text.
 

@@ -102,7 +102,7 @@ class GuardTick(GuardStop):
             "guard_send(state, wanted, period);",
             self._each("tau[i] = state->tau[i];"),
             "if (by_law) {",
-            f"    {self._each('state->law.joints.tau[i] = tau[i] - friction[i];')}",
+            f"    {self._each(' '.join(self._bare.around.noted('state->law')))}",
             "}",
             "return state->stopped;",
         ]

@@ -160,6 +160,7 @@ class Learner(Addition):
             limited = f"{self._clip}(torque[i] + ahead[i], state->joints.effort_limit[i])"
             after = [line.replace("@", zero) for line in friction]
             after.append(f"for (int i = 0; i < {n}; i++) {{ torque[i] = {limited}; }}")
+            after.append(f"for (int i = 0; i < {n}; i++) {{ {PLACE}.ahead[i] = ahead[i]; }}")
         largest = self._dialect.number(LARGEST)
         middle = f"{PLACE}.middle[i] = {self._clip}(q[i], {largest});"
         return [
@@ -173,6 +174,15 @@ class Learner(Addition):
             "}",
             f"{self._call(self._learn, self._tick_arguments())};",
             f"{PLACE}.given = 0;",
+        ]
+
+    def noted(self, law: str) -> list[str]:
+        """Return what takes note of another torque: it is learnt from, and observed."""
+        learner = PLACE.replace("state->", f"{law}.")
+        ahead = f" - {learner}.ahead[i]" if "ahead" in self.layout.sizes else ""
+        return [
+            f"{law}.joints.tau[i] = tau[i] - friction[i]{ahead};",
+            f"{learner}.sent[{self._owner.delay * self._n} + i] = tau[i];",
         ]
 
     def public(self, outer: str, place: str) -> list[tuple[str, str, list[str]]]:

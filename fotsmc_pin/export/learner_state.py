@@ -47,6 +47,8 @@ class LearnerState:
             "written": 10 * n,
             "middle": owner.arm.nq,
         }
+        if owner._feeds and not owner.controller.uses_model:
+            self.sizes["ahead"] = n
 
     def types(self) -> list[str]:
         """Return the structs; that of the learner has the others as members."""
@@ -59,6 +61,7 @@ class LearnerState:
             "regressor": f"of the last window ({n}, {10 * n})",
             "written": f"dynamic parameters of the learnt links ({n}, 10)",
             "middle": "configuration that stands for a window [rad, m]",
+            "ahead": "friction that was added to the torque [N*m, N]",
         }
         about = (
             "Numbers of the whole arm.",

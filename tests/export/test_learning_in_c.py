@@ -83,17 +83,19 @@ def test_what_is_due_is_asked_for_and_needed(compiled):
     assert due == [bool(k) and k % WINDOW == 0 for k in range(20)]
 
 
+@pytest.mark.parametrize("law", ["RobustFONFTSM", "TDEFONTSM"])
 @pytest.mark.parametrize("stops", [False, True])
-def test_a_safeguard_around_it(stops, compiled):
+def test_a_safeguard_around_it(stops, law, compiled):
+    """It learns from the torque that acts, limited in its rate, and so does the law observe it."""
     options = {"soft_start": 0.05, "torque_rate": 400.0, "stop_ramp": 0.05}
-    guard = fp.Safeguard(learner(), **options)
+    guard = fp.Safeguard(learner(law), **options)
     reference, log = Sinusoid.inside_limits(guard.arm, ramp=0.1), Logged(guard)
     log.reset()
     for k in range(120):
         q_d, v_d, a_d = reference(k * DT)
         late = 0.05 if stops and k == 80 else None
         log.update(q_d + 0.01 * np.cos(0.1 * k), v_d + 0.01, q_d, v_d, a_d, late)
-    c = compiled(fp.Safeguard(learner(), **options))
+    c = compiled(fp.Safeguard(learner(law), **options))
     inputs = log.inputs
     tau, status = c.follow(inputs)
     first = 80 if stops else 120
