@@ -19,6 +19,7 @@ if __name__ == "__main__":
     OUT.mkdir(exist_ok=True)
     options = [
         "--override-ini=python_files=bench_*.py",
+        "--dist=no",
         "--benchmark-only",
         "--benchmark-columns=median,iqr,rounds",
         f"--benchmark-json={OUT / 'benchmarks.json'}",
