@@ -12,6 +12,7 @@ import math
 from typing import TYPE_CHECKING
 
 from fotsmc_pin.compiled import kernel
+from fotsmc_pin.control.small_matrices import solve
 from fotsmc_pin.control.task_space.mobility import eigen, factor
 from fotsmc_pin.control.task_space.tool_rows import SIX
 
@@ -129,17 +130,10 @@ def curvature(chain: NDArray[np.int64], J: Array, f: Array, C: Array, A: Array, 
 @kernel
 def solve_free(K: Array, held: Array, x: Array) -> None:
     """Replace `x` (nv,) by `K⁻¹ x`, of joints that are not held; `K` as `factor` writes it."""
-    n = x.size
-    for i in range(n):
-        entry = 0.0 if held[i] != 0.0 else x[i]
-        for k in range(i):
-            entry -= K[i, k] * x[k]
-        x[i] = entry * K[i, i]
-    for i in range(n - 1, -1, -1):
-        entry = x[i]
-        for k in range(i + 1, n):
-            entry -= K[k, i] * x[k]
-        x[i] = entry * K[i, i]
+    for i in range(x.size):
+        if held[i] != 0.0:
+            x[i] = 0.0
+    solve(K, x)
 
 
 @kernel(is_part=True)
