@@ -211,7 +211,7 @@ class Controller(SharesNothing, ABC, Generic[G]):
         """Forget everything: the controller is as it was when it was made."""
         for stream in self.memories.values():
             stream.reset()
-        self._tau[:] = 0.0
+        self._tau[:] = self.joints.tau_extra[:] = 0.0
         for row in (*self.state, *self._work):
             row[:] = 0.0
         self.start()

@@ -17,6 +17,7 @@ from fotsmc_pin.control.robust_gains import RobustFONFTSMGains, scaled
 from fotsmc_pin.control.robust_rows import State, Work
 from fotsmc_pin.control.rotor_search import search_rotor
 from fotsmc_pin.control.rows import rows
+from fotsmc_pin.control.shared_torque import accelerated
 from fotsmc_pin.control.standstill import NEAR, follow_rest, watch_standstill
 from fotsmc_pin.control.torque_limits import integrated, inverse_dynamics, unwound
 from fotsmc_pin.fractional.advance import advance, commit, predict
@@ -70,7 +71,8 @@ class RobustFONFTSM(Controller[RobustFONFTSMGains]):
     At rest, a joint that dry friction holds near its goal (`h = 1`) is left in peace
     (`standstill`): its integral stops (`π = 1 - ρ h`) and its torque stays as it was. On one that
     sticks off its goal the integral works as on 0.6 mrad at least. Where a torque limit cuts in,
-    the fractional integral, `z` and `b` take in only what was followed.
+    the fractional integral, `z` and `b` take in only what was followed. Where another law's
+    torque acts too, `b` takes in the acceleration that this adds (`accelerated`).
 
     With `J = 0` the loop bears true inertias from 0.136 to 4.97 times the nominal one in motion
     and to 12.6 times at rest (1 kHz, one tick of delay; `fotsmc_pin.analysis.margins`). Above, a
@@ -134,10 +136,11 @@ class RobustFONFTSM(Controller[RobustFONFTSMGains]):
         lead(dt, x, M0, h0, g.approach, g.approach_rate, m, w)
 
         # What the last tick did: the disturbance, the floor that it calls for, the rotors.
+        accelerated(M0, x.tau_extra, m, w)
         for i in range(n):
             first = m.ticks[0] == 0.0
             gained = 0.0 if first else w.near_dot[i] - m.last_near_dot[i]
-            w.missed[i] = g.observer[i] * (m.step[i] - gained)
+            w.missed[i] = g.observer[i] * (m.step[i] + dt * w.more[i] - gained)
             m.a_e[i] = 0.0 if first else (x.e_dot[i] - m.last_e_dot[i]) / dt
         if m.ticks[0] > 0.0:
             unexplained(dt, M0, h0, m.J, x.v, m.last_v, x.tau, m.lacking)

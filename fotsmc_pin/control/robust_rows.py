@@ -106,6 +106,7 @@ class Work(NamedTuple):
         near_dot: its rate `ε̇` [rad/s].
         near_a_d: acceleration of that point [rad/s²].
         passing: error at which the inertia floor takes what a joint meets for passing [rad].
+        more: acceleration that another law's torque added over the last tick [rad/s²].
         S: sliding variable [rad s^-(1+α)].
         w: integrand of the fractional integral.
         a: commanded acceleration [rad/s²].
@@ -121,6 +122,7 @@ class Work(NamedTuple):
     near_dot: Array
     near_a_d: Array
     passing: Array
+    more: Array
     S: Array
     w: Array
     a: Array

@@ -40,6 +40,8 @@ class Joints(NamedTuple):
         a_d: reference acceleration [rad/s², m/s²].
         tau: torque of the last tick, to be replaced by that of this one [N·m, N].
         effort_limit: largest torque [N·m, N].
+        tau_extra: torque that acted over the last tick beyond the one that the law asked for, where
+            another law acts too; else 0 [N·m, N].
     """
 
     e: Array
@@ -49,6 +51,7 @@ class Joints(NamedTuple):
     a_d: Array
     tau: Array
     effort_limit: Array
+    tau_extra: Array
 
 
 class NoRows(NamedTuple):

@@ -16,9 +16,8 @@ from fotsmc_pin.control.saved_state import part, present, with_prefix
 from fotsmc_pin.control.task_space.chain import chain_of
 from fotsmc_pin.control.task_space.configurations import places_in_q
 from fotsmc_pin.control.task_space.given import read_motion
-from fotsmc_pin.control.task_space.tick import act, felt_at_tool, tick
+from fotsmc_pin.control.task_space.tick import tell, tick
 from fotsmc_pin.control.task_space.tool_rows import (
-    FACTOR,
     NUMBERS,
     POINT,
     ROOM,
@@ -73,8 +72,8 @@ class TaskMemory(SharesNothing):
 
     linked: ClassVar[frozenset[str]] = frozenset(
         {
-            *("_terms", "_memory", "_arguments", "_tick", "_acting", "_act", "_signals", "_kept"),
-            *("q", "joints", "_n", "_p", "_t"),
+            *("_terms", "_memory", "_arguments", "_tick", "_tell", "_last"),
+            *("_signals", "q", "joints", "_n", "_p", "_t"),
         }
     )
 
@@ -92,7 +91,6 @@ class TaskMemory(SharesNothing):
     threshold: float
     _frame: int
     _posture: Array | None
-    _largest: float
 
     def _allocate(self) -> None:
         m, n = len(self.directions), self.arm.nv
@@ -127,16 +125,12 @@ class TaskMemory(SharesNothing):
     def note_applied(self, tau: Array, friction: Array) -> None:
         """Take note of the torque that acts; see `Controller.note_applied`.
 
-        What it lacks or has more moves the tool as the force `Λ Jeᵀ M⁻¹` of it, which the law's
-        observer is told.
+        Both laws are told what acceleration it is beyond their own.
         """
         more = tau - friction - self.joints.tau
         if more.any():
-            m, n = len(self.directions), self.arm.nv
-            L, Y = self._joints[FACTOR : FACTOR + n], self._joints[FACTOR + n : FACTOR + 2 * n]
             self.joints.tau[:] += more
-            felt_at_tool(more, L, Y, m, self._t.f)
-            self.law.joints.tau[:] += self._mobility @ self._t.f[:m]
+            self._tell(*self._last)
 
     def feed_friction(self, wanted: bool) -> None:
         """Feed friction that is known forward, or leave it to drives that compensate it."""
@@ -150,7 +144,6 @@ class TaskMemory(SharesNothing):
         self.posture_law.reset()
         self._joints[:], self._tool[:], self._configurations[:] = 0.0, 0.0, 0.0
         self._poses[:4] = 0.0
-        self._largest = 0.0
         self._set_constants()
 
     @property
@@ -171,7 +164,6 @@ class TaskMemory(SharesNothing):
     def save_state(self) -> dict[str, Array]:
         """Return everything that is remembered, as plain arrays by name."""
         own = {name[1:]: getattr(self, name).copy() for name in MEMORY}
-        own["largest"] = np.array(self._largest)
         return (
             own
             | with_prefix("law", self.law.save_state())
@@ -190,12 +182,10 @@ class TaskMemory(SharesNothing):
             )
             for name in MEMORY
         }
-        largest = checks.finite_number("largest", present(arrays, "largest"))
         self.law.restore_state(part(arrays, "law"))
         self.posture_law.restore_state(part(arrays, "posture_law"))
         for name, array in own.items():
             getattr(self, name)[:] = array
-        self._largest = largest
         self._link()
 
     def use_terms(self, terms: ModelTerms) -> None:
@@ -267,12 +257,6 @@ class TaskMemory(SharesNothing):
             self.directions.code,
         )
         self._tick = specialized(tick, self.dt, *self._arguments)
-        self._acting = law.compiled
-        self._act = specialized(act, law.joints.tau, terms.h, *self._last)
-        memory = (law.joints.e.base, *(stream.memory for stream in law.memories.values()))
-        self._kept = [(now, now.copy()) for now in memory]
-
-    @property
-    def _last(self) -> tuple[Array, ...]:
-        """What `act` takes after the two torques."""
-        return self._terms.h, self._joints, self._tool, self._mobility
+        tables = law.joints.e.base, self.posture_law.joints.e.base
+        self._last = (*tables, terms.h, self._joints, self._tool, self._mobility)
+        self._tell = specialized(tell, *self._last)

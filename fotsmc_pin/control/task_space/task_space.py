@@ -5,18 +5,16 @@ from __future__ import annotations
 import copy
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from fotsmc_pin import checks
 from fotsmc_pin.arms import demand_arm
 from fotsmc_pin.arms.frames import frame_id
-from fotsmc_pin.control.computed_torque import ComputedTorque
 from fotsmc_pin.control.controller import LONGEST_TICK, SHORTEST_TICK, Controller
 from fotsmc_pin.control.robust_fonftsm import RobustFONFTSM
 from fotsmc_pin.control.task_space.directions import Directions
 from fotsmc_pin.control.task_space.given import cleaned_motion, read_motion
 from fotsmc_pin.control.task_space.memory import TaskMemory
 from fotsmc_pin.control.task_space.tool_body import reach, tool_body
+from fotsmc_pin.control.task_space.tool_rows import BEGINS
 from fotsmc_pin.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -34,8 +32,6 @@ if TYPE_CHECKING:
 LENGTH, THRESHOLD = 0.1, 0.01
 """Way that a radian counts as, and singular value below which a direction is given up, both over
 the arm's reach."""
-SNAPSHOT = 0.5
-"""Share of an effort limit from which the law's memory is kept, in case the limit cuts in."""
 
 
 class TaskSpace(TaskMemory):
@@ -48,10 +44,11 @@ class TaskSpace(TaskMemory):
 
     whose commanded acceleration it turns into a force `F`. The torque is
 
-        τ = Jeᵀ F + C0 v + G0 + (1 - Jeᵀ J̄ᵀ)(τ_p - C0 v - G0),   J̄ = M0⁻¹ Jeᵀ Λ
+        τ = τ_p + κ Jeᵀ (F - J̄ᵀ (τ_p - C0 v - G0)),   J̄ = M0⁻¹ Jeᵀ Λ
 
     with the torque `τ_p` of a second law, on the joints, for the posture. Where no direction is
-    lost, posture does not accelerate the tool. `T_f` is where a point in joint space has the tool,
+    lost, `κ = 1`, and posture does not accelerate the tool; at a singularity `κ = 0`, and posture's
+    law has the arm (`tick.tell`). `T_f` is where a point in joint space has the tool,
     which goes where the reference `T_d` asks it to be as far as that is possible (`feasible`): at
     the start it is where the arm is; at a singularity, a joint's end or beyond a speed limit it
     stays behind, and the signals say by how much. On the way `T_f = T_d`.
@@ -66,7 +63,7 @@ class TaskSpace(TaskMemory):
         frame: name of the frame that is moved.
         directions: which directions are held.
         law: the law at the tool, made for a body of as many joints as directions.
-        posture_law: the law of the posture, made for the arm.
+        posture_law: the law of the posture, and of what is given up, made for the arm.
         length: what a radian counts as where ways and rotations are compared [m].
         threshold: singular value, with that, below which a direction is given up [m].
 
@@ -89,7 +86,7 @@ class TaskSpace(TaskMemory):
         directions: str | Iterable[str] = "all",
         law: Maker = RobustFONFTSM,
         posture: ArrayLike | None = None,
-        posture_law: Maker = ComputedTorque,
+        posture_law: Maker = RobustFONFTSM,
         length: float | None = None,
         threshold: float | None = None,
         **gains: Any,
@@ -106,7 +103,8 @@ class TaskSpace(TaskMemory):
             law: class of a law, or a function that makes one of an arm and a tick.
             posture: configuration that a redundant arm stays near (nq,); that of the first tick by
                 default.
-            posture_law: as `law`, for the posture.
+            posture_law: as `law`, for the posture and what is given up at singularities;
+                `ComputedTorque` takes less time, and is less firm.
             length: what a radian counts as [m]; a tenth of the arm's reach by default.
             threshold: `σ_0` of `mobility` [m]; 0.01 of the arm's reach by default.
             **gains: of the law, where `law` is a class.
@@ -180,13 +178,10 @@ class TaskSpace(TaskMemory):
             self._begin()
         joints = self.joints
         self._terms.evaluate(self.q, joints)
-        close = self._largest > SNAPSHOT
-        if close:
-            for now, kept in self._kept:
-                kept[:] = now
-        self._largest = self._tick(dt, *self._arguments)
-        if self._largest > 1.0 and close:
-            self._act_within_limits(dt)
+        self._tick(dt, *self._arguments)
+        if self._n.has_say[0] == BEGINS:
+            self.posture_law.reset()
+            self._n.has_say[0] = 1.0
         tau: Array = joints.tau.copy()
         return tau
 
@@ -203,20 +198,3 @@ class TaskSpace(TaskMemory):
         q_f[:] = q
         q_p[:] = q if self._posture is None else self._posture
         self._p.v[:] = self.joints.v
-
-    def _act_within_limits(self, dt: float) -> None:
-        """Let the law act once more, told what force the torque limits leave, for its memory."""
-        force, left = self.law.joints.tau, self._t.x[: len(self.directions)]
-        limits = np.where(np.abs(left) < np.abs(force), np.abs(left), np.inf)
-        x = self.law.joints
-        seen = [(row, row.copy()) for row in (x.e, x.e_dot, x.v, x.v_d, x.a_d)]
-        for now, kept in (*self._kept, *seen):  # The memory of before, and what was seen since.
-            now[:] = kept
-        effort_limit = x.effort_limit
-        effort_limit[:] = limits
-        code, arguments = self._acting
-        code(dt, *arguments)
-        effort_limit[:] = np.inf
-        has_say = self.arm.nv > len(self.directions) or self._n.kept[0] < 1.0
-        posture = self.posture_law.joints.tau if has_say else self._terms.h
-        self._act(force, posture, *self._last)

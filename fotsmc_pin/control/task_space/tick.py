@@ -27,6 +27,7 @@ from fotsmc_pin.control.task_space.mobility import factor, task_inertia
 from fotsmc_pin.control.task_space.nearest import approach, step_to_nearest, weigh
 from fotsmc_pin.control.task_space.pose_log import error_of
 from fotsmc_pin.control.task_space.tool_rows import (
+    BEGINS,
     FACTOR,
     JACOBIAN,
     JACOBIAN_T,
@@ -56,7 +57,7 @@ def see(
     poses: Array, quaternions: Array,
     chain: NDArray[np.int64], places: NDArray[np.int64], kind: NDArray[np.int64],
     posture: Array, table: Array, Lambda: Array, h: Array,
-) -> bool:  # fmt: skip
+) -> None:  # fmt: skip
     """Move the point and write what the law is to see: a mechanical system of `m` directions.
 
     The law's `M0` is `Λ`, its position error the error of the tool from the point's tool, its
@@ -66,7 +67,7 @@ def see(
 
     where the joints' `C0 v + G0` are already made up for. Its reference's speed, by which laws tell
     rest, is that of the fastest joint of the point in every direction: what sticks is joints, and
-    no direction is at rest while one of them is to move. Returns whether posture has a say.
+    no direction is at rest while one of them is to move.
     """
     x, p = named_rows(joints, Joints), named_rows(joints[POINT:], PointRows)
     t, b = named_rows(tool, ToolRows), named_rows(tool[NUMBERS:], Numbers)
@@ -173,7 +174,10 @@ def see(
     quaternion(pose, quaternions[0])
     quaternion(pose_d, quaternions[1])
     quaternion(pose_t, quaternions[2])
-    return bool(n > m or b.kept[0] < 1.0)
+    if n == m and b.kept[0] == 1.0:
+        b.has_say[0] = 0.0
+    elif b.has_say[0] == 0.0:
+        b.has_say[0] = 1.0 if n > m else BEGINS
 
 
 @kernel
@@ -199,50 +203,87 @@ def felt_at_tool(torque: Array, L: Array, Y: Array, m: int, felt: Array) -> None
 
 
 @kernel
-def act(
-    force: Array, posture: Array, h0: Array, joints: Array, tool: Array, Lambda: Array
-) -> float:
-    """Write the torque `τ = Jeᵀ F + C0 v + G0 + (1 - Jeᵀ J̄ᵀ)(τ_p - C0 v - G0)` within the limits.
+def act(law: Array, posture: Array, h0: Array, joints: Array, tool: Array, Lambda: Array) -> bool:
+    """Write the torque within the limits.
+
+        τ = τ_p + κ Jeᵀ (F - J̄ᵀ (τ_p - C0 v - G0))
+
+    with the smallest share `κ` of a direction that is kept; `τ_p = C0 v + G0` where posture has no
+    say.
 
     Args:
-        force: the law's `F` (m,).
-        posture: torque `τ_p` of the posture's law (nv,), or `C0 v + G0` where none acts.
+        law: table of the law, whose torque is `F` (m,).
+        posture: table of the posture's law, whose torque is `τ_p` (nv,).
         h0: `C0 v + G0` (nv,).
-        joints: table of the joints.
-        tool: table of the tool; `t.x` becomes the force that the limits leave.
+        joints: table of the joints; `p.asked` becomes `τ_p`.
+        tool: table of the tool; `t.f` becomes `F`.
         Lambda: of the task.
 
     Returns:
-        Largest torque over its limit, before that is kept.
+        Whether a limit cut in.
     """
     x, p = named_rows(joints, Joints), named_rows(joints[POINT:], PointRows)
-    t = named_rows(tool, ToolRows)
+    t, b = named_rows(tool, ToolRows), named_rows(tool[NUMBERS:], Numbers)
+    own = rows(law, Gains, NoRows, NoRows)[0]
+    other = rows(posture, Gains, NoRows, NoRows)[0]
     m, n = Lambda.shape[0], joints.shape[1]
     Je, L, Y = joints[TASK:OPEN], joints[FACTOR : FACTOR + n], joints[FACTOR + n : FACTOR + 2 * n]
     # Je M⁻¹ (τ_p - h0) = Yᵀ L⁻¹ (τ_p - h0)
     for i in range(n):
-        p.free[i] = posture[i] - h0[i]
-    felt_at_tool(p.free, L, Y, m, t.x)
-    for a in range(m):
-        t.f[a] = force[a]
-        for b in range(m):
-            t.f[a] -= Lambda[a, b] * t.x[b]
-    most = 0.0
+        p.asked[i] = other.tau[i] if b.has_say[0] > 0.0 else h0[i]
+        p.free[i] = p.asked[i] - h0[i]
+    felt_at_tool(p.free, L, Y, m, t.f)
+    for i in range(m):
+        t.x[i] = own.tau[i]
+        for k in range(m):
+            t.x[i] -= Lambda[i, k] * t.f[k]
+        t.x[i] *= b.kept[0]
+    is_limited = False
     for i in range(n):
-        wanted = posture[i]
-        for a in range(m):
-            wanted += Je[a, i] * t.f[a]
-        most = max(most, abs(wanted) / x.effort_limit[i])
+        wanted = p.asked[i]
+        for k in range(m):
+            wanted += Je[k, i] * t.x[k]
         x.tau[i] = clip(wanted, x.effort_limit[i])
-        p.free[i] = x.tau[i] - wanted
-    # What the limits took from the force: Λ Yᵀ L⁻¹ (τ - τ_wanted)
-    if most > 1.0:
-        felt_at_tool(p.free, L, Y, m, t.f)
-        for a in range(m):
-            t.x[a] = force[a]
-            for b in range(m):
-                t.x[a] += Lambda[a, b] * t.f[b]
-    return most
+        is_limited = is_limited or x.tau[i] != wanted
+    for i in range(m):
+        t.f[i] = own.tau[i]
+    return is_limited
+
+
+@kernel
+def tell(law: Array, posture: Array, h0: Array, joints: Array, tool: Array, Lambda: Array) -> None:
+    """Tell both laws what acts beyond the torque that they asked for.
+
+    A law takes for a disturbance what another does, or a limit takes away, and works against it:
+    two that integrate side by side would drift apart without end. With the torque `τ` that acts,
+    they are told
+
+        Λ Je M⁻¹ (τ - C0 v - G0) - F   at the tool,   τ - τ_p   at the joints.
+
+    Args:
+        law: table of the law.
+        posture: table of the posture's law.
+        h0: `C0 v + G0` (nv,).
+        joints: table of the joints, with the torque `τ`, and in `p.asked` that of posture, `τ_p`.
+        tool: table of the tool, with `F` in `t.f`.
+        Lambda: of the task.
+    """
+    x, p = named_rows(joints, Joints), named_rows(joints[POINT:], PointRows)
+    t = named_rows(tool, ToolRows)
+    own = rows(law, Gains, NoRows, NoRows)[0]
+    other = rows(posture, Gains, NoRows, NoRows)[0]
+    m, n = Lambda.shape[0], joints.shape[1]
+    L, Y = joints[FACTOR : FACTOR + n], joints[FACTOR + n : FACTOR + 2 * n]
+    for i in range(n):
+        other.tau[i] = x.tau[i]
+        other.tau_extra[i] = x.tau[i] - p.asked[i]
+        p.free[i] = x.tau[i] - h0[i]
+    felt_at_tool(p.free, L, Y, m, t.x)
+    for i in range(m):
+        own.tau[i] = 0.0
+        for k in range(m):
+            own.tau[i] += Lambda[i, k] * t.x[k]
+        own.tau_extra[i] = own.tau[i] - t.f[i]
 
 
 @kernel
@@ -250,7 +291,7 @@ def tick(
     dt: float, law: Any, own: Any, posture_law: Any, posture: Any, joints: Array, tool: Array,
     configurations: Array, poses: Array, quaternions: Array,
     chain: NDArray[np.int64], places: NDArray[np.int64], kind: NDArray[np.int64],
-) -> float:  # fmt: skip
+) -> None:  # fmt: skip
     """Run the whole tick: see, let the law and the posture's law act, write the torque.
 
     Args:
@@ -268,19 +309,19 @@ def tick(
         chain: joints that carry the tool (k, 3).
         places: of the joints in `q` (2, nv).
         kind: of the error (6,).
-
-    Returns:
-        Largest torque over its limit, before that is kept.
     """
     table, Lambda, h = own[0], own[1], own[2]
     others, M0, h0 = posture[0], posture[1], posture[2]
-    has_say = see(
+    see(
         dt, M0, joints, tool, configurations, poses, quaternions, chain, places, kind,
         others, table, Lambda, h,
     )  # fmt: skip
-    idle = h0
-    if has_say:
+    b = named_rows(tool[NUMBERS:], Numbers)
+    if b.has_say[0] > 0.0:
         call(posture_law, dt, posture)
-        idle = rows(others, Gains, NoRows, NoRows)[0].tau
     call(law, dt, own)
-    return act(rows(table, Gains, NoRows, NoRows)[0].tau, idle, h0, joints, tool, Lambda)
+    is_limited = act(table, others, h0, joints, tool, Lambda)
+    tell(table, others, h0, joints, tool, Lambda)
+    if b.kept[0] == 1.0 and not is_limited:  # All but rounding is the law's own.
+        for i in range(h.size):
+            rows(table, Gains, NoRows, NoRows)[0].tau_extra[i] = 0.0

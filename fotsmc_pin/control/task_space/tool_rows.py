@@ -127,6 +127,8 @@ class Numbers(NamedTuple):
         threshold: `σ_0` [m].
         kept: smallest share of a direction that the law keeps.
         kept_t: the same of the point.
+        has_say: 1 where posture has a say: of redundant arms, and where a direction is given up;
+            `BEGINS` in the tick before, in which its law is to forget what was long ago.
         begun: whether there was a tick.
     """
 
@@ -135,9 +137,12 @@ class Numbers(NamedTuple):
     threshold: Array
     kept: Array
     kept_t: Array
+    has_say: Array
     begun: Array
 
 
+BEGINS = -1.0
+"""Mark of the tick before posture has a say."""
 SIX = 6
 """Directions of a pose."""
 POINT = len(Joints._fields)

@@ -14,7 +14,7 @@ from fotsmc_pin.control.task_space.nearest import boxed_step, curvature
 from fotsmc_pin.control.task_space.tool_body import reach
 from fotsmc_pin.control.task_space.tool_rows import GoalRows
 from fotsmc_pin.references import PoseHold
-from fotsmc_pin.simulation import NoisySensor
+from fotsmc_pin.simulation import NoisySensor, TickDelay
 
 DT = 1e-3
 READY = {
@@ -85,6 +85,31 @@ def test_the_arm_comes_to_rest_with_the_point(name):
     rec = fp.simulate(arm, ctl, PoseHold(pose=goal), 6.0, q0=q0, sensor=sensor)
     assert np.abs(rec.v[-1000:]).max() < 0.01
     assert (np.abs(rec.v) < arm.velocity_limit).all()
+
+
+STRETCHED = {  # Random configurations, directions, ways; time, of which the kinova takes its.
+    "ur5": ([0.5, -1.9, -1.2, 0.7, 2.1, -0.4], [0.3, 0.6, 0.5], 0.1, 8.0),
+    "kinova": ([0.9, 2.6, 1.9, -0.7, 0.4, 1.2], [-0.4, 0.7, 0.2], 0.1, 18.0),
+    "panda": ([0.4, -0.7, 0.9, -1.9, -1.1, 2.2, 0.3], [0.9, -0.5, 0.05], 1.0, 8.0),
+}
+
+
+@pytest.mark.parametrize("name", STRETCHED)
+def test_the_arm_comes_to_rest_at_its_singularity_whatever_its_masses(name):
+    """What the tool gives up is held at the joints, by a law that bears wrong inertias as well."""
+    arm = fp.load_arm(name)
+    true = fp.perturb(arm, mass_scale=1.3, payload=1.0, friction=0.5, damping=0.5)
+    joints, direction, way, seconds = STRETCHED[name]
+    q0 = arm.from_joint_positions(joints)
+    goal, ctl = beyond(arm, q0, direction, way), fp.TaskSpace(arm, DT)
+    rec = fp.simulate(
+        true, ctl, PoseHold(pose=goal), seconds, q0=q0,
+        sensor=NoisySensor(arm, position=1e-5, velocity=1e-3, seed=0),
+        actuator=TickDelay(1), substeps=2, integrator="semi-implicit",
+    )  # fmt: skip
+    assert rec.signals["kept"].min() < 0.2
+    assert np.abs(rec.v[-1000:]).max() < 0.02
+    assert (np.abs(rec.v) < 1.02 * arm.velocity_limit).all()
 
 
 def test_the_curvature_is_no_less_than_that_of_the_way():

@@ -107,6 +107,20 @@ def test_posture_moves_the_elbow_and_not_the_tool(seven):
     assert pose_errors(rec, 0.0)[:, 0].max() < 0.1e-3
 
 
+def test_posture_holds_and_leaves_the_tool_alone_on_the_stressed_plant(seven):
+    true, loop = stressed(seven)
+    other = READY + np.array([0.6, 0.0, -0.6, 0.0, 0.3, 0.0, 0.0])
+    still = PoseHold(pose=seven.tool_pose(READY))
+    ways = []
+    for posture in (READY, other):
+        ctl = fp.TaskSpace(seven, DT, posture=posture)
+        rec = fp.simulate(true, ctl, still, 4.0, q0=READY, **loop)
+        ways.append(pose_errors(rec, 0.0)[:, 0].max())
+        assert np.abs(rec.q - rec.q_d)[2000:].max() < 5e-3
+    assert np.abs(rec.q[-1] - rec.q[0]).max() > 0.2
+    assert ways[1] - ways[0] < 0.1e-3
+
+
 def test_joints_keep_within_their_ends(seven):
     wanted = PoseHold(pose=seven.tool_pose(READY) * pin.SE3(np.eye(3), np.array([0.0, 0.0, -1.0])))
     ctl = fp.TaskSpace(seven, DT)
