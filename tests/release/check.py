@@ -52,7 +52,9 @@ def check(folder, tests):
     shutil.move(unpacked / "fotsmc_pin", folder / "unused")  # Tests shall meet the wheel.
     words = [programs / "pip", "install", "-q", "-c", unpacked / "constraints.txt"]
     run([*words, f"{wheel}[test]"], folder, "test dependencies installed")
-    run([programs / "pytest", "-q", "-n", "2", *tests], unpacked, "tests of the sdist on the wheel")
+    # `-m` puts the folder on the path, also in processes that tests start.
+    words = [programs / "python", "-m", "pytest", "-q", "-n", "2", *tests]
+    run(words, unpacked, "tests of the sdist on the wheel")
 
 
 def agreed_version():
