@@ -199,10 +199,10 @@ def _tables(rows: Sequence[StressRow], seeds: Sequence[int], width: int) -> Iter
     if is_matrix(rows):
         for title, lines in matrices(rows).items():
             needed = sum(2 + max(map(len, column)) for column in zip(*lines, strict=True))
-            yield _table(title, lines if needed <= width else turned(lines))
+            yield _table(title, lines if needed <= width else turned(lines), width)
         return
     if not seeds:
-        yield _table("Stress suite", listing(rows))
+        yield _table("Stress suite", listing(rows), width)
         return
     groups: dict[tuple[str, str], list[tuple[StressRow, int]]] = {}
     for row, seed in zip(rows, seeds, strict=True):
@@ -212,10 +212,10 @@ def _tables(rows: Sequence[StressRow], seeds: Sequence[int], width: int) -> Iter
         lines = listing([row for row, _ in worst])
         for line, cell in zip(lines, ["seed", *(str(seed) for _, seed in worst)], strict=True):
             line.append(cell)
-        yield _table(f"The worst of {len(drawn)} random scenarios", lines)
+        yield _table(f"The worst of {len(drawn)} random scenarios", lines, width)
 
 
-def _table(title: str, lines: Sequence[Sequence[str]]) -> Table:
+def _table(title: str, lines: Sequence[Sequence[str]], width: int) -> Table:
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
 
@@ -224,10 +224,21 @@ def _table(title: str, lines: Sequence[Sequence[str]]) -> Table:
     table = Table(
         title=title, title_justify="left", box=SIMPLE_HEAD, collapse_padding=True, pad_edge=False
     )
+    named = [k for k, column in enumerate(lines[0]) if k == 0 or column == "controller"]
+    # Names that leave no room for numbers are broken at their blanks.
+    whole = sum(max(len(line[k]) for line in lines) for k in named) <= width // 2
     for k, column in enumerate(lines[0]):
-        names = k == 0 or column == "controller"
+        names = k in named
         justify: Literal["left", "right"] = "left" if names else "right"
-        table.add_column(column, justify=justify, no_wrap=names, overflow="fold")
+        broken = names and not whole
+        longest = max(len(word) for line in lines for word in line[k].split())
+        table.add_column(
+            column,
+            justify=justify,
+            no_wrap=names and not broken,
+            width=longest if broken else None,
+            overflow="fold",
+        )
     for line in lines[1:]:
         # What cannot wrap and says the same in every row takes a line of its own.
         table.add_row(*(cell.replace(LABEL, f"\n{LABEL.strip()}") for cell in line))
