@@ -14,15 +14,18 @@ if TYPE_CHECKING:
 AXE = Path(__file__).parents[1] / "view/assets/axe.min.js"
 GRAVE = ("serious", "critical")
 
+LAPTOP = {"viewport": {"width": 1366, "height": 768}}
+PHONE = {
+    "viewport": {"width": 390, "height": 844},
+    "device_scale_factor": 2,
+    "is_mobile": True,
+    "has_touch": True,
+}
 SCREENS: dict[str, dict[str, Any]] = {
-    "laptop": {"viewport": {"width": 1366, "height": 768}},
-    "phone": {
-        "viewport": {"width": 390, "height": 844},
-        "device_scale_factor": 2,
-        "is_mobile": True,
-        "has_touch": True,
-    },
-    "laptop-dark": {"viewport": {"width": 1366, "height": 768}, "color_scheme": "dark"},
+    "laptop": LAPTOP,
+    "phone": PHONE,
+    "laptop-dark": LAPTOP | {"color_scheme": "dark"},
+    "phone-dark": PHONE | {"color_scheme": "dark"},
 }
 """Screens on which a page is looked at."""
 
