@@ -48,7 +48,8 @@ def main(out: Path = Path("out/compare"), duration: float = 8.0) -> dict[str, fp
     write_json(out / "metrics.json", {"runs": metrics})
     fp.plot(runs, out / "comparison.svg")
     fp.export_html(runs, out / "compare.html", title="Four controllers on a heavier UR5")
-    print(f"Open {write_report(out)} in a browser.")
+    report = write_report(out, title="Four controllers on a heavier UR5")
+    print(f"Open {report} in a browser.")
     return runs
 
 

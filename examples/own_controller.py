@@ -65,7 +65,7 @@ def main(out: Path = Path("out/own_controller"), duration: float = 6.0) -> fp.Re
     q0 = nominal.integrate(reference(0.0)[0], np.full(nominal.nv, 0.2))
     rec = fp.simulate(true, controller, reference, duration, q0=q0)
     print(f"{controller}\nkeeps {1e3 * fp.summarize(rec).tail_rms_error:.2f} mrad RMS")
-    fp.export_html(rec, out / "own_controller.html")
+    fp.export_html(rec, out / "own_controller.html", title="A law of its own on a UR5")
     return rec
 
 

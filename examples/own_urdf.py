@@ -66,7 +66,7 @@ def main(out: Path = Path("out/own_urdf"), urdf: Path | None = None) -> fp.Recor
 
     print(f"largest error: {1e3 * fp.summarize(rec).max_error:.1f} mrad")
     rec.save(out / "run.npz")
-    fp.export_html(rec, out / "own_urdf.html")
+    fp.export_html(rec, out / "own_urdf.html", title="An arm without meshes")
     print(f"Open {out / 'own_urdf.html'} in a browser.")
     return rec
 

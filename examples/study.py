@@ -45,7 +45,7 @@ def main(
     print(f"the worst case of {controllers[0]}: {dict(worst_run.parameters)}")
     rec = run.record(worst_run.parameters, worst_run.seed)
     fp.plot(rec, out / "worst")
-    fp.export_html(rec, out / "worst.html")
+    fp.export_html(rec, out / "worst.html", title="The worst run of the study")
     return result
 
 

@@ -2,39 +2,26 @@
 
 from __future__ import annotations
 
-import shutil
 import time
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from tests.chromium import NAMES, found
+from tests.chromium import chromium as started
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from pathlib import Path
 
-FLAGS = [
-    "--use-gl=angle",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-    "--no-sandbox",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--no-first-run",
-]
-
 
 @pytest.fixture(scope="session")
 def chromium() -> Iterator[Any]:
-    names = ("chromium", "chromium-browser", "google-chrome")
-    found = next((path for name in names if (path := shutil.which(name))), None)
-    if found is None:
-        pytest.skip(f"NO BROWSER: none of {', '.join(names)} is installed, pages stay unseen")
-    playwright = pytest.importorskip("playwright.sync_api", reason="NO PLAYWRIGHT: pages unseen")
-    with playwright.sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=found, args=FLAGS)
+    if found() is None:
+        pytest.skip(f"NO BROWSER: none of {', '.join(NAMES)} is installed, pages stay unseen")
+    pytest.importorskip("playwright.sync_api", reason="NO PLAYWRIGHT: pages unseen")
+    with started() as browser:
         yield browser
-        browser.close()
 
 
 class Page:

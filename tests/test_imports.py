@@ -7,7 +7,10 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[1] / "fotsmc_pin"
+import fotsmc_pin
+
+ROOT = Path(fotsmc_pin.__file__).parent
+"""Of the source that the tests run: a checkout's, or that of an installed wheel."""
 GROUND = {
     "errors",
     "checks",

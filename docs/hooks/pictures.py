@@ -2,7 +2,7 @@
 
 They are kept with the source, so that building the site needs no browser. When their look changes:
 
-mkdocs build && python docs/hooks/pictures.py
+mkdocs build && python -m docs.hooks.pictures
 
 Names of examples take the pictures of these only; `moving` takes the moving one, for the README.
 """
@@ -10,13 +10,13 @@ Names of examples take the pictures of these only; `moving` takes the moving one
 from __future__ import annotations
 
 import io
-import shutil
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from PIL import Image
-from playwright.sync_api import sync_playwright
+
+from tests.chromium import chromium
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
@@ -38,7 +38,6 @@ SHOTS = {
 }
 """Pages, and the times at which they are pictured [s]."""
 
-FLAGS = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox"]
 PATIENCE = 180_000
 """A machine without a graphics card draws slowly [ms]."""
 
@@ -54,8 +53,7 @@ SHOWN = 464
 def main() -> None:
     """Write a picture per example into docs/assets/gallery, and the moving one."""
     wanted = sys.argv[1:] or ["moving", *(address.partition("/")[0] for address in SHOTS)]
-    with sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
+    with chromium() as browser:
         for address, time in SHOTS.items():
             name = address.partition("/")[0]
             if name in wanted:
@@ -66,7 +64,6 @@ def main() -> None:
                 page.close()
         if "moving" in wanted:
             write_moving(browser, ROOT / "docs/images/moving.webp")
-        browser.close()
 
 
 def opened(browser: Browser, address: str, width: int, height: int) -> Page:

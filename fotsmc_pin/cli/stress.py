@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from fotsmc_pin.arms import Arm
     from fotsmc_pin.control import Controller
-    from fotsmc_pin.evaluation.stress import SeededRow, StressRow
+    from fotsmc_pin.evaluation.stress import StressRow
 
 SHOWN_DRAWS = 10
 DEFAULT_CASE = "sine raw"
@@ -86,7 +86,7 @@ def stress(
     force: Force = False,
 ) -> None:
     """Put arms under stress: heavier than believed, with friction, noise, delay and start error."""
-    from fotsmc_pin.evaluation.stress import chosen_cases
+    from fotsmc_pin.evaluation.stress import chosen_cases, run_random_scenarios
     from fotsmc_pin.evaluation.stress import stress as run_suite
 
     chosen_cases(scenario or DEFAULT_CASE)
@@ -94,15 +94,27 @@ def stress(
         raise ArgumentError(
             "--scenario", scenario, "leave it out with --draws, --ablation and --pid-trials"
         )
-    if learn and ablation:
+    if ablation and learn:
         raise ArgumentError("--learn", learn, "leave it out with --ablation")
+    if ablation and jobs != 1:
+        raise ArgumentError("--jobs", jobs, "leave it out with --ablation, which is one process")
     folder = None if out is None else result_folder(out, force=force)
     rows: list[StressRow] = []
     seeds: list[int] = []
     for arm in [arm_options.load(name) for name in arms]:
         if draws:
             for law in controller or ["RobustFONFTSM"]:
-                drawn = _drawn(arm, law, draws, first_seed, duration, learn=learn)
+                span = {} if duration is None else {"duration": duration}
+                drawn = run_random_scenarios(
+                    arm,
+                    draws,
+                    law=law,
+                    first_seed=first_seed,
+                    jobs=jobs,
+                    learn=learn,
+                    progress=True,
+                    **span,
+                )
                 rows += [found.row for found in drawn]
                 seeds += [found.seed for found in drawn]
         elif ablation:
@@ -127,17 +139,6 @@ def stress(
         console.print(table)
     if folder is not None:
         say(f"The table is kept in {folder / 'stress.md'}.")
-
-
-def _drawn(
-    arm: Arm, law: str, draws: int, first_seed: int, duration: float | None, *, learn: bool
-) -> list[SeededRow]:
-    from fotsmc_pin.evaluation.stress import run_random_scenarios
-
-    span: dict[str, Any] = {} if duration is None else {"duration": duration}
-    return run_random_scenarios(
-        arm, draws, law=law, first_seed=first_seed, learn=learn, progress=True, **span
-    )
 
 
 def _ablation(arm: Arm, seed: int, duration: float | None) -> list[StressRow]:
@@ -198,10 +199,10 @@ def _tables(rows: Sequence[StressRow], seeds: Sequence[int], width: int) -> Iter
     if is_matrix(rows):
         for title, lines in matrices(rows).items():
             needed = sum(2 + max(map(len, column)) for column in zip(*lines, strict=True))
-            yield _table(title, lines if needed <= width else turned(lines))
+            yield _table(title, lines if needed <= width else turned(lines), width)
         return
     if not seeds:
-        yield _table("Stress suite", listing(rows))
+        yield _table("Stress suite", listing(rows), width)
         return
     groups: dict[tuple[str, str], list[tuple[StressRow, int]]] = {}
     for row, seed in zip(rows, seeds, strict=True):
@@ -211,10 +212,10 @@ def _tables(rows: Sequence[StressRow], seeds: Sequence[int], width: int) -> Iter
         lines = listing([row for row, _ in worst])
         for line, cell in zip(lines, ["seed", *(str(seed) for _, seed in worst)], strict=True):
             line.append(cell)
-        yield _table(f"The worst of {len(drawn)} random scenarios", lines)
+        yield _table(f"The worst of {len(drawn)} random scenarios", lines, width)
 
 
-def _table(title: str, lines: Sequence[Sequence[str]]) -> Table:
+def _table(title: str, lines: Sequence[Sequence[str]], width: int) -> Table:
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
 
@@ -223,10 +224,21 @@ def _table(title: str, lines: Sequence[Sequence[str]]) -> Table:
     table = Table(
         title=title, title_justify="left", box=SIMPLE_HEAD, collapse_padding=True, pad_edge=False
     )
+    named = [k for k, column in enumerate(lines[0]) if k == 0 or column == "controller"]
+    # Names that leave no room for numbers are broken at their blanks.
+    whole = sum(max(len(line[k]) for line in lines) for k in named) <= width // 2
     for k, column in enumerate(lines[0]):
-        names = k == 0 or column == "controller"
+        names = k in named
         justify: Literal["left", "right"] = "left" if names else "right"
-        table.add_column(column, justify=justify, no_wrap=names, overflow="fold")
+        broken = names and not whole
+        longest = max(len(word) for line in lines for word in line[k].split())
+        table.add_column(
+            column,
+            justify=justify,
+            no_wrap=names and not broken,
+            width=longest if broken else None,
+            overflow="fold",
+        )
     for line in lines[1:]:
         # What cannot wrap and says the same in every row takes a line of its own.
         table.add_row(*(cell.replace(LABEL, f"\n{LABEL.strip()}") for cell in line))

@@ -15,7 +15,9 @@ ROUNDS = 7
 def test_studies(table, benchmark):
     from distributed import LocalCluster
 
-    loop = fp.ClosedLoop(arm=fp.load_arm("panda"), preset="practical", duration=5.0)
+    loop = fp.ClosedLoop(
+        arm=fp.load_arm("panda"), controller="AdaptiveFONFTSM", preset="practical", duration=5.0
+    )
 
     def per_second(repeats=RUNS, **workers):
         started = time.perf_counter()

@@ -126,9 +126,10 @@ def test_commands_work_as_typed_whether_or_not_the_environment_is_activated(page
 
 
 def test_nobody_is_told_to_install_from_an_index_that_does_not_have_the_package():
-    files = [*PAGES, *(ROOT / "fotsmc_pin").rglob("*.py"), *(ROOT / "tests").rglob("*.py")]
+    package = Path(fp.__file__).parent
+    files = [*PAGES, *package.rglob("*.py"), *(ROOT / "tests").rglob("*.py")]
     named = re.compile(r"pip install [\"']?fotsmc[_-]pin")
-    assert not [name_of(file) for file in files if named.search(file.read_text("utf-8"))]
+    assert not [str(file) for file in files if named.search(file.read_text("utf-8"))]
 
 
 def test_the_commands_of_the_documentation_are_found():

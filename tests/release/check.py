@@ -7,7 +7,7 @@ import shutil
 import tomllib
 from pathlib import Path
 
-from tests.release.environments import ROOT, CheckError, clean_copy, environment, run, say
+from tests.release.environments import ROOT, STEPS, CheckError, clean_copy, environment, run, say
 
 
 def check(folder, tests):
@@ -23,7 +23,7 @@ def check(folder, tests):
     version = agreed_version()
     say(f"version {version} in the package, CITATION.cff and CHANGELOG.md")
     source = clean_copy(folder / "checkout")
-    tools = environment(folder / "tools")
+    tools = environment(folder / "tools", shown="environment of the tools")
     run([tools / "pip", "install", "-q", "build", "twine"], folder, "build tools")
     dist = folder / "dist"
     run([tools / "python", "-m", "build", "-o", dist, source], folder, "sdist and wheel")
@@ -33,16 +33,16 @@ def check(folder, tests):
     (sdist,) = dist.glob("*.tar.gz")
     constraints = source / "constraints.txt"
 
-    programs = environment(folder / "user")
+    programs = environment(folder / "user", shown="environment of the user")
     words = [programs / "pip", "install", "-q", "-c", constraints, f"{wheel}[robots]"]
     run(words, folder, "wheel installed")
     shutil.rmtree(source)  # From here on nothing may need the checkout.
     empty = folder / "elsewhere"
     empty.mkdir()
-    told = run([programs / "fotsmc", "--version"], empty)
+    told = run([programs / "fotsmc", "--version"], empty, "fotsmc --version")
     if version not in told:
         raise CheckError(f"fotsmc --version says {told!r}, not {version}")
-    run([programs / "fotsmc", "reproduce", "--out", "two_link"], empty)
+    run([programs / "fotsmc", "reproduce", "--out", "two_link"], empty, "fotsmc reproduce")
     pages = [*empty.glob("two_link/*.html")]
     if not pages:
         raise CheckError("fotsmc reproduce left no page")
@@ -52,7 +52,13 @@ def check(folder, tests):
     shutil.move(unpacked / "fotsmc_pin", folder / "unused")  # Tests shall meet the wheel.
     words = [programs / "pip", "install", "-q", "-c", unpacked / "constraints.txt"]
     run([*words, f"{wheel}[test]"], folder, "test dependencies installed")
-    run([programs / "pytest", "-q", "-n", "2", *tests], unpacked, "tests of the sdist on the wheel")
+    # `-m` puts the folder on the path, also in processes that tests start.
+    words = [programs / "python", "-m", "pytest", "-q", "-n", "2", *tests]
+    told = run(words, unpacked, "tests of the sdist on the wheel")
+    say("\n| step | time [s] |\n| --- | ---: |")
+    for name, took in STEPS:
+        say(f"| {name} | {took:.0f} |")
+    say("\n" + told.strip().splitlines()[-1].strip("= "))
 
 
 def agreed_version():

@@ -13,6 +13,8 @@ ROOT = Path(__file__).resolve().parents[2]
 PYTHONS = ("3.11", "3.12", "3.13", "3.14")
 TAIL = 25
 """Lines of a command that failed that are shown."""
+STEPS: list[tuple[str, float]] = []
+"""Commands that passed, and the seconds that each took."""
 
 
 class CheckError(Exception):
@@ -43,9 +45,11 @@ def run(words, cwd, shown=None, **variables):
     text = done.stdout + done.stderr
     name = shown or " ".join(str(word) for word in words)
     verdict = "passed" if done.returncode == 0 else f"FAILED with code {done.returncode}"
-    say(f"{name}: {verdict} in {time.perf_counter() - started:.0f} s")
+    took = time.perf_counter() - started
+    say(f"{name}: {verdict} in {took:.0f} s")
     if done.returncode:
         raise CheckError("\n".join(text.splitlines()[-TAIL:]))
+    STEPS.append((name, took))
     return text
 
 
@@ -74,9 +78,9 @@ def interpreter(version):
     return None
 
 
-def environment(folder, python=sys.executable):
+def environment(folder, python=sys.executable, shown=None):
     """Make an environment and return its folder of programs."""
-    run([python, "-m", "venv", folder], ROOT, f"environment of {Path(python).name}")
+    run([python, "-m", "venv", folder], ROOT, shown or f"environment of {Path(python).name}")
     return folder / "bin"
 
 

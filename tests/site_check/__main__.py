@@ -1,7 +1,7 @@
 """`python -m tests.site_check`: what a reader of the site meets, before a release.
 
 Builds the site strictly, follows its links and anchors, opens every page in a browser without
-network on a laptop, in the dark and on a phone, runs axe on it, and takes a picture of its first
+network on a laptop and on a phone, light and dark, runs axe on it, and takes a picture of its first
 screen into `test-output/site`. Ends with 1 where a link is dead, or axe has a serious or critical
 finding, or a page complains, is wider than the screen, or asks for a network. Look at the pictures.
 """

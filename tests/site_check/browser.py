@@ -2,28 +2,30 @@
 
 from __future__ import annotations
 
-import shutil
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from tests.chromium import chromium
+
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
 
 AXE = Path(__file__).parents[1] / "view/assets/axe.min.js"
-FLAGS = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox"]
 GRAVE = ("serious", "critical")
 
+LAPTOP = {"viewport": {"width": 1366, "height": 768}}
+PHONE = {
+    "viewport": {"width": 390, "height": 844},
+    "device_scale_factor": 2,
+    "is_mobile": True,
+    "has_touch": True,
+}
 SCREENS: dict[str, dict[str, Any]] = {
-    "laptop": {"viewport": {"width": 1366, "height": 768}},
-    "phone": {
-        "viewport": {"width": 390, "height": 844},
-        "device_scale_factor": 2,
-        "is_mobile": True,
-        "has_touch": True,
-    },
-    "laptop-dark": {"viewport": {"width": 1366, "height": 768}, "color_scheme": "dark"},
+    "laptop": LAPTOP,
+    "phone": PHONE,
+    "laptop-dark": LAPTOP | {"color_scheme": "dark"},
+    "phone-dark": PHONE | {"color_scheme": "dark"},
 }
 """Screens on which a page is looked at."""
 
@@ -53,27 +55,15 @@ class Findings:
         )
 
 
-@contextmanager
-def browser() -> Iterator[Any]:
-    """Yield a headless Chromium."""
-    from playwright.sync_api import sync_playwright
-
-    found = shutil.which("chromium") or shutil.which("chromium-browser")
-    with sync_playwright() as driver:
-        started = driver.chromium.launch(executable_path=found, args=FLAGS)
-        yield started
-        started.close()
-
-
 def look_at(
     pages: list[Path], site: Path, pictures: Path, screens: list[str], say: Callable[[str], None]
 ) -> Findings:
     """Run axe on each page on each screen, and keep pictures of its first screen."""
     findings = Findings()
     script = AXE.read_text("utf-8")
-    with browser() as started:
+    with chromium() as browser:
         for screen in screens:
-            context = started.new_context(offline=True, reduced_motion="reduce", **SCREENS[screen])
+            context = browser.new_context(offline=True, reduced_motion="reduce", **SCREENS[screen])
             (pictures / screen).mkdir(parents=True, exist_ok=True)
             context.set_default_timeout(120_000)
             for path in pages:

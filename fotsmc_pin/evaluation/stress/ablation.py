@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 from fotsmc_pin.control import RobustFONFTSM
@@ -19,6 +20,7 @@ VARIANTS: Mapping[str, Mapping[str, Any]] = {
     "integer order (α = 0)": {"alpha": 0.0},
     "no tempering (σ = 0)": {"tempering": 0.0},
     "no terminal term (λ = 0)": {"lam": 0.0},
+    "no way led home (v_a = ∞)": {"approach": math.inf},
     "no bound on the reach (ē = 1000 rad)": {"reach": 1e3},
     "no integral (b = 0)": {"integral": 0.0},
     "no disturbance observer (K = 0)": {"observer": 0.0},

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import copy
+import itertools
+import math
 from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+import joblib
 import numpy as np
 
 from fotsmc_pin import checks
@@ -17,13 +20,15 @@ from fotsmc_pin.evaluation.stress.judging import StressRow, run_row
 from fotsmc_pin.evaluation.stress.payloads import stress_payload
 from fotsmc_pin.evaluation.stress.plants import true_armature, with_rotors
 from fotsmc_pin.evaluation.stress.scenario import DT, Scenario
-from fotsmc_pin.evaluation.stress.suite import law_maker
+from fotsmc_pin.evaluation.stress.suite import carried_out, law_maker
 from fotsmc_pin.evaluation.stress.table import DRAWN
 from fotsmc_pin.learning import ModelLearning
 from fotsmc_pin.learning.described import LABEL
 from fotsmc_pin.progress import reporting
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from fotsmc_pin.arms import Arm
     from fotsmc_pin.evaluation.stress.courses import Course
     from fotsmc_pin.progress import Progress
@@ -31,6 +36,8 @@ if TYPE_CHECKING:
 DURATION = 4.0
 LIGHTEST_ROTORS, HEAVIEST_ROTORS = 800.0, 50.0
 """Range of effort limit over true armature [rad/s², m/s²]."""
+AT_A_TIME = 20
+"""Random scenarios that a process takes at a time."""
 COURSES = ("sine", "moves", "hold")
 
 
@@ -122,6 +129,7 @@ def run_random_scenarios(
     law: type[Controller] | str = RobustFONFTSM,
     first_seed: int = 0,
     duration: float = DURATION,
+    jobs: int = 1,
     learn: bool = False,
     progress: Progress = False,
 ) -> list[SeededRow]:
@@ -133,6 +141,7 @@ def run_random_scenarios(
         law: the law, or its name; it runs with its preset for practice, or its default gains.
         first_seed: seed of the first scenario; the others have the seeds after it.
         duration: simulated time of each run [s].
+        jobs: processes on this machine; -1 for one per core. The rows are the same.
         learn: let the law learn its model while the arm moves (`ModelLearning`, which is told by
             how many ticks the torque is late); it begins anew in each scenario.
         progress: True shows a bar on standard error; a callable is told the fraction done.
@@ -140,17 +149,48 @@ def run_random_scenarios(
     if isinstance(law, str):
         law = CONTROLLERS[checks.choice("law", law, [*CONTROLLERS])]
     checks.count("count", count)
-    plain = law_maker(law)(with_rotors(arm), DT)
     label = f"{law.__name__}{LABEL}" if learn else law.__name__
-    learners: dict[int, ModelLearning] = {}
+    draws = _Draws(arm, law, label, range(first_seed, first_seed + count), duration, learn)
     done = []
     with reporting(progress, f"{label}, {arm.name}") as report:
-        for seed in range(first_seed, first_seed + count):
-            scenario = random_scenario(arm, seed, duration=duration)
-            if learn and scenario.delay not in learners:
-                own = copy.deepcopy(plain)
-                learners[scenario.delay] = ModelLearning(own, delay=scenario.delay)
-            controller = learners[scenario.delay] if learn else plain
-            done.append(SeededRow(seed=seed, row=run_row(scenario, controller, label)))
+        for row in draws.rows() if jobs == 1 else draws.rows_of_processes(jobs):
+            done.append(row)
             report(len(done) / count)
     return sorted(done, key=lambda found: (not found.row.diverged, -found.row.tail_rms_error))
+
+
+@dataclass(frozen=True)
+class _Draws:
+    """Random scenarios of a law, to be run here or in another process."""
+
+    arm: Arm
+    law: type[Controller]
+    label: str
+    seeds: range
+    duration: float
+    learn: bool
+
+    def rows(self) -> Iterator[SeededRow]:
+        """Yield the result of each, by controllers that are made once: learning ones take 2 s."""
+        plain = law_maker(self.law)(with_rotors(self.arm), DT)
+        learners: dict[int, ModelLearning] = {}
+        for seed in self.seeds:
+            scenario = random_scenario(self.arm, seed, duration=self.duration)
+            if self.learn and scenario.delay not in learners:
+                own = copy.deepcopy(plain)
+                learners[scenario.delay] = ModelLearning(own, delay=scenario.delay)
+            controller = learners[scenario.delay] if self.learn else plain
+            yield SeededRow(seed=seed, row=run_row(scenario, controller, self.label))
+
+    def rows_of_processes(self, jobs: int) -> Iterator[SeededRow]:
+        """Yield the same from so many processes, each of which takes several seeds at a time."""
+        share = math.ceil(len(self.seeds) / joblib.effective_n_jobs(jobs))
+        size = min(AT_A_TIME, share)
+        parts = [
+            replace(self, seeds=self.seeds[start : start + size])
+            for start in range(0, len(self.seeds), size)
+        ]
+        return itertools.chain.from_iterable(carried_out(parts, jobs))
+
+    def __call__(self) -> list[SeededRow]:
+        return [*self.rows()]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 import joblib
 
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from fotsmc_pin.progress import Progress
 
     Maker: TypeAlias = Callable[[Arm, float], Controller]
+
+Result = TypeVar("Result")
 
 PREFERRED_PRESETS = ("practical", "pid", "boundary_layer")
 """Presets for use on an arm, where a law has one; the first preset of a law is its printed form."""
@@ -85,7 +87,7 @@ def stress(
     ]
     rows = []
     with reporting(progress, ", ".join(arm.name for arm in loaded)) as report:
-        for row in _carried_out(runs, jobs):
+        for row in carried_out(runs, jobs):
             rows.append(row)
             report(len(rows) / len(runs))
     return rows
@@ -114,7 +116,8 @@ class Run:
         return run_row(scenario, controller, self.label)
 
 
-def _carried_out(runs: Sequence[Run], jobs: int) -> Iterator[StressRow]:
+def carried_out(runs: Sequence[Callable[[], Result]], jobs: int) -> Iterator[Result]:
+    """Yield what each of the runs returns, in their order, from so many processes."""
     if jobs == 1 or len(runs) < 2:
         yield from (run() for run in runs)
         return
@@ -122,7 +125,7 @@ def _carried_out(runs: Sequence[Run], jobs: int) -> Iterator[StressRow]:
     yield from parallel(joblib.delayed(_call)(run) for run in runs)
 
 
-def _call(run: Run) -> StressRow:
+def _call(run: Callable[[], Result]) -> Result:
     return run()
 
 

@@ -11,20 +11,18 @@ from fotsmc_pin.files import markdown_table
 from tests.benchmarks.fractional_order.comparing import (
     BUDGETS,
     compare,
-    compare_carried,
     compare_defaults,
-    compare_polished,
     designs,
     done_problems,
     held_out,
     seeds_of,
 )
 from tests.benchmarks.fractional_order.configurations import CONFIGURATIONS
-from tests.benchmarks.fractional_order.held_out import CARRIED, DEFAULT, LONG_BUDGET, SETTINGS
+from tests.benchmarks.fractional_order.further_tables import longer, polished, with_learning
+from tests.benchmarks.fractional_order.held_out import DEFAULT
 from tests.benchmarks.fractional_order.judging import paired_interval, pooled_interval
-from tests.benchmarks.fractional_order.polishing import POLISHED
 from tests.benchmarks.fractional_order.searching import TRIALS
-from tests.benchmarks.fractional_order.settings import LONG, PAPER
+from tests.benchmarks.fractional_order.settings import PAPER
 from tests.benchmarks.fractional_order.store import Search
 from tests.benchmarks.fractional_order.tables import (
     LEARNING,
@@ -40,7 +38,6 @@ from tests.benchmarks.fractional_order.tables import (
 
 if TYPE_CHECKING:
     from fotsmc_pin.types import Array
-    from tests.benchmarks.fractional_order.comparing import Pair
     from tests.benchmarks.fractional_order.store import Results
 
 
@@ -189,97 +186,6 @@ def counts(results: Results) -> str:
         rows.append(["found without learning", LEARNING[True], "1", NOTHING, NOTHING, str(runs)])
     head = ["configuration", "", "seed", "searches", "trials", "held-out runs"]
     return markdown_table(head, rows, "llrrrr")
-
-
-def longer(results: Results) -> str:
-    """Return a line per arm: the ratios of errors from 1 to 2 s, and from 3 to 4 s, at a budget."""
-    sines, rows = range(0, SETTINGS, 2), []
-    for problem in done_problems(results, False):
-        search = Search(problem, "free", False, seeds_of(results, problem, False)[0])
-        if not any(k >= LONG for _, k in results.held_out[search]):
-            continue
-        cells = [problem]
-        for ours, others in (("free", "integer"), ("pid", "free")):
-            for settings in (sines, [LONG + k for k in sines]):
-                found = compare(
-                    results,
-                    problem,
-                    False,
-                    ours,
-                    others,
-                    [LONG_BUDGET],
-                    seeds=[search.seed],
-                    settings=settings,
-                )
-                cells.append(NOTHING if found is None else ratio_text(found.ratio))
-        rows.append(cells)
-    head = [
-        f"{pair}, {span}"
-        for pair in ("α free over α = 0", "PID over α free")
-        for span in ("1 to 2 s", "3 to 4 s")
-    ]
-    return markdown_table(["arm", *head], rows, "lrrrr")
-
-
-def polished(results: Results, pair: str) -> str:
-    """Return a line per arm and budget: the ratio before and after further trials."""
-    ours, others = PAIRS[pair]
-    rows = []
-    for search in list(results.trials):
-        if search.configuration != "free":
-            continue
-        for budget in POLISHED:
-            pairs = {
-                wide: compare_polished(results, search, ours, others, budget, wide=wide)
-                for wide in (False, True)
-            }
-            known = next((found[0] for found in pairs.values() if found is not None), None)
-            if known is not None:
-                name = search.problem + (", learning" if search.learning else "")
-                texts = [ratio_text(known.ratio)]
-                for found in pairs.values():
-                    texts += [NOTHING] * 2 if found is None else _cells(found[1])
-                rows.append([f"{name}, seed {search.seed}", budget.replace(" ", " × "), *texts])
-    head = [
-        f"{what}{where}"
-        for where in (", polished", ", polished in wider spans")
-        for what in ("error", "variation")
-    ]
-    return markdown_table(["arm", "budget", "error", *head], rows, "llrrrrr")
-
-
-def _cells(pair: Pair) -> list[str]:
-    return [ratio_text(pair.ratio), f"{np.exp(np.nanmean(pair.other)):.2f}"]
-
-
-def with_learning(results: Results) -> str:
-    """Return a line per arm: ratios with learning, by designs that were found without it."""
-    pairs, rows = (("free", "integer"), ("pid", "free")), []
-    for problem in done_problems(results, False):
-        cells = [problem]
-        for ours, others in pairs:
-            for budget in CARRIED:
-                found = compare_carried(results, problem, ours, others, budget)
-                cells += [NOTHING] * 2 if found is None else _cells(found)
-        if any(cell != NOTHING for cell in cells[1:]):
-            rows.append(cells)
-    last = [f"**{POOLED}**"]
-    for ours, others in pairs:
-        for budget in CARRIED:
-            every = [
-                compare_carried(results, problem, ours, others, budget)
-                for problem in done_problems(results, False)
-            ]
-            groups = [found.differences for found in every if found is not None]
-            text = ratio_text(pooled_interval(groups).mapped(np.exp)) if groups else NOTHING
-            last += [text, ""]
-    head = [
-        f"{title} at {budget.replace(' ', ' × ')}" if what == "error" else what
-        for title in ("α free over α = 0", "PID over α free")
-        for budget in CARRIED
-        for what in ("error", "variation")
-    ]
-    return markdown_table(["arm", *head], [*rows, last], "l" + "r" * len(head))
 
 
 def all_tables(results: Results) -> dict[str, str]:

@@ -53,6 +53,22 @@ def test_an_unknown_scenario_is_refused_before_the_folder_is_made(tmp_path):
         called("stress", "asr_twodof", "--scenario", "hold", "--draws", "1")
 
 
+def test_what_an_ablation_does_not_heed_is_refused():
+    for words in (["--jobs", "2"], ["--learn"]):
+        with pytest.raises(ArgumentError, match=f"{words[0]} = .*leave it out with --ablation"):
+            called("stress", "asr_twodof", "--ablation", *words)
+
+
+def test_draws_are_spread_over_processes_and_are_the_same(tmp_path):
+    written = []
+    for jobs in ("1", "2"):
+        out = tmp_path / jobs
+        words = ["--draws", "3", "--duration", "0.2", "--jobs", jobs, "--out", str(out)]
+        called("stress", "asr_twodof", *words)
+        written.append((out / "stress.json").read_bytes())
+    assert written[0] == written[1]
+
+
 def test_a_draw_is_replayed_by_its_seed(tmp_path):
     rows = []
     for folder in ("first", "again"):

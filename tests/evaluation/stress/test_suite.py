@@ -15,6 +15,7 @@ from fotsmc_pin.evaluation.stress import (
     best_pid,
     markdown,
     random_scenario,
+    random_scenarios,
     run_random_scenarios,
     springs,
     stress,
@@ -200,6 +201,20 @@ class TestRandomScenarios:
         assert not any(found.row.diverged for found in done)
         alone = run_random_scenarios(arm, 1, first_seed=done[0].seed, duration=1.0)
         assert alone == done[:1]
+
+    def test_processes_share_the_seeds_and_give_the_same_rows(self, monkeypatch):
+        shares = []
+
+        def noted(parts, jobs):
+            shares.extend((jobs, [*part.seeds]) for part in parts)
+            return suite.carried_out(parts, jobs)
+
+        monkeypatch.setattr(random_scenarios, "carried_out", noted)
+        arm = fp.load_arm("asr_twodof")
+        options = {"first_seed": 7, "duration": 0.2}
+        together = run_random_scenarios(arm, 3, **options, jobs=2)
+        assert shares == [(2, [7, 8]), (2, [9])]
+        assert together == run_random_scenarios(arm, 3, **options)
 
 
 class TestLearning:
