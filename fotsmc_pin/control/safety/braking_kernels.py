@@ -152,7 +152,7 @@ def limit_jerk(M: Array, torque_rate: Array, rise: float, motion: Array) -> None
     for i in range(n):
         asked = 0.0
         for j in range(n):
-            asked += LADEN * abs(M[i, j]) * motion[JERK, j]
+            asked += abs(M[i, j]) * motion[JERK, j]
         share = min(share, RATE_SHARE * torque_rate[i] / max(asked, 1e-9))
     for i in range(n):
         motion[JERK, i] *= share
