@@ -20,6 +20,11 @@ from fotsmc_pin.analysis.metrics import (
 from fotsmc_pin.analysis.rest import reference_stop, swings, time_to_rest
 from fotsmc_pin.analysis.surface import sector_margin, surface_decay, surface_margin
 from fotsmc_pin.analysis.tool import tool_errors
+from fotsmc_pin.analysis.torque_rate import (
+    TorqueRateWarning,
+    asked_torque_rate,
+    warn_of_torque_rate,
+)
 from fotsmc_pin.control.conditions import obeys_power_condition
 from fotsmc_pin.simulation.pose_errors import pose_errors
 
@@ -29,6 +34,8 @@ __all__ = [
     "InertiaRatios",
     "Margins",
     "Summary",
+    "TorqueRateWarning",
+    "asked_torque_rate",
     "inertia_ratios",
     "largest_bandwidth",
     "margins",
@@ -48,5 +55,6 @@ __all__ = [
     "tool_errors",
     "units",
     "warn_of_soft_joints",
+    "warn_of_torque_rate",
     "with_bandwidth",
 ]

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import pinocchio as pin
 
 if TYPE_CHECKING:
+    from fotsmc_pin.arms import Arm
     from fotsmc_pin.control.rows import Joints
     from fotsmc_pin.types import Array
 
@@ -28,6 +29,10 @@ class ModelTerms:
         self.model, self._data = model, model.createData()
         self.M: Array = self._data.M.T
         self.h: Array = self._data.nle
+
+    def is_bare(self, arm: Arm) -> bool:
+        """Return whether these are the terms of an arm alone, nothing learnt and no friction."""
+        return type(self) is ModelTerms and self.model is arm.model
 
     def evaluate(self, q: Array, joints: Joints) -> None:
         """Write the terms at the configuration `q` (nq,) and the velocity of `joints`."""

@@ -127,7 +127,7 @@ class GuardedLaw:
             "offset_dot": (n, "its rate [rad/s, m/s]"),
             "tau": (n, "last torque, what the drives add included [N*m, N]"),
             "sent": (n, "what of it is to be commanded [N*m, N]"),
-            "recent": (n, "average of the last torques [N*m, N]"),
+            "recent": (4 * n, "averages of the last torques beyond h, of velocities, and of both"),
             "lag": (n, "how far the torque is behind for its rate [N*m, N]"),
             "seen_q": (nq, "where the arm was last seen [rad, m]"),
             "seen_v": (n, "its velocity there [rad/s, m/s]"),
@@ -144,6 +144,7 @@ class GuardedLaw:
             "load": (n, "what the brake bears beside the model [N*m, N]"),
             "inertia": (n, "what it moves beside the model [kg*m^2, kg]"),
             "last": (n, "last error of its velocity [rad/s, m/s]"),
+            "left": (n, "from the path's end to where it came to rest [rad, m]"),
         }
 
     def _init_lines(self) -> list[str]:

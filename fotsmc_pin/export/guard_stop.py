@@ -5,8 +5,9 @@ It is what `control.safety.SafeStop` does; its arithmetic is that of the same ke
 
 from __future__ import annotations
 
-from fotsmc_pin.control.safety.brake import beyond_inertia, borne
+from fotsmc_pin.control.safety.brake import begun, unexplained
 from fotsmc_pin.control.safety.braking_kernels import (
+    FIRST,
     LEARNT,
     RATE,
     ROWS,
@@ -15,10 +16,11 @@ from fotsmc_pin.control.safety.braking_kernels import (
     WAY,
     advanced,
     drawn,
+    is_faster,
     speed_left,
 )
 from fotsmc_pin.control.safety.safe_stop import ALIKE, ASTRAY, LOST, NEAR
-from fotsmc_pin.control.safety.steps import is_kept
+from fotsmc_pin.control.safety.steps import caught_up, is_kept
 from fotsmc_pin.export.guard_lines import EFFORT, GuardLines
 from fotsmc_pin.export.layout import block
 
@@ -77,6 +79,7 @@ class GuardStop(GuardLines):
         advance = self._kernel(advanced, 2, *[1] * 4, *[0] * 4, -ROWS)
         turning, joints, real = self._bare.turning, self._bare.joints, self._real
         zero, one, learnt = (self._number(value) for value in (0.0, 1.0, LEARNT))
+        begin, size = self._kernel(begun, *[1] * 6), self._program.dialect.function("fabs")
         weight = f"learns ? ({learnt} * dt < {one} ? {learnt} * dt : {one}) : {zero}"
         moved = " ".join(
             f"state->target_{name}[i] = state->path[{self._n * row} + i];"
@@ -86,10 +89,14 @@ class GuardStop(GuardLines):
             *block(
                 f"static void guard_draw({self._state}, const {real} *unknown)",
                 [
-                    self._each(f"state->path[{self._n * UNKNOWN} + i] = unknown[i];"),
+                    self._each(
+                        f"state->path[{self._n * UNKNOWN} + i] = unknown[i]; "
+                        f"state->path[{self._n * FIRST} + i] = {size}(state->seen_v[i]);"
+                    ),
                     f"state->path_bound = {draw}(state->M, state->h, {EFFORT},",
                     "    state->torque_rate, state->stop_ramp, !state->by_law, state->path);",
-                    self._each("state->last[i] = {0};", zero),
+                    f"{begin}(unknown, state->drive, state->load, state->inertia, state->last,",
+                    "    state->left);",
                     "state->under_way = 1;",
                 ],
                 "Draw a braking path from where it begins.",
@@ -115,10 +122,9 @@ class GuardStop(GuardLines):
         ]
 
     def _begin_braking(self) -> list[str]:
-        n, real, zero = self._n, self._real, self._number(0.0)
+        n, real = self._n, self._real
         kept = self._kernel(is_kept, 1, 1, 1, 0, 0)
-        beyond = self._kernel(beyond_inertia, 1, 1, 2, 1)
-        unknown = self._kernel(borne, 1, 1, 1, 2, 1, 1, 1)
+        catch_up, unknown = self._kernel(caught_up, -4), self._kernel(unexplained, 1, -4, 2, 1)
         within = f"{self._number(NEAR)}, {self._number(ALIKE)}"
         v, a = self._n * SPEED, self._n * RATE
         copied = (
@@ -138,12 +144,8 @@ class GuardStop(GuardLines):
                 "    }",
                 "}",
                 f"{real} load[{n}];",
-                self._each("load[i] = {0};", zero),
-                f"const {real} *path_a = state->path + {a};",
-                f"{beyond}(path_a, state->recent, state->M, load);",
-                f"{unknown}(state->seen_v, path_a, state->recent, state->M, state->h,",
-                "    state->drive, state->load);",
-                self._each("load[i] -= state->h[i];"),
+                f"{catch_up}(state->recent);",
+                f"{unknown}(state->seen_v, state->recent, state->M, load);",
                 "guard_draw(state, load);",
             ],
             "Begin to brake where the arm was last seen, or at its target where that is near.",
@@ -153,10 +155,11 @@ class GuardStop(GuardLines):
         n, real = self._n, self._real
         kept, unknown = (
             self._kernel(is_kept, 1, 1, 1, 0, 0),
-            self._kernel(borne, *[1] * 3, 2, 1, 1, 1),
+            self._kernel(unexplained, 1, -4, 2, 1),
         )
         within = f"{self._number(LOST)}, {self._number(ASTRAY)}"
         slower = self._kernel(speed_left, -ROWS)
+        faster, begin = self._kernel(is_faster, 1, -ROWS), self._kernel(begun, *[1] * 6)
         return block(
             f"static void guard_brake_on({self._state}, bool seen, "
             f"{self._pointers('q', 'v', 'M', 'h', 'g')}, {real} dt)",
@@ -175,13 +178,18 @@ class GuardStop(GuardLines):
                 f"{real} e[{n}], e_dot[{n}];",
                 *self._difference("state->target_q", "state->seen_q", "e"),
                 self._each("e_dot[i] = state->seen_v[i] - state->target_v[i];"),
-                f"if ({kept}(e, e_dot, state->fastest, {within})) {{ return; }}",
+                f"const bool keeps = {kept}(e, e_dot, state->fastest, {within});",
+                f"if (keeps && !{faster}(state->seen_v, state->path)) {{ return; }}",
                 "state->by_law = 0;",
+                f"{real} load[{n}];",
+                f"{unknown}(state->seen_v, state->recent, state->M, load);",
+                "if (keeps) {",
+                f"    {begin}(load, state->drive, state->load, state->inertia, state->last,",
+                "        state->left);",
+                "    return;",
+                "}",
                 *self._start_where_seen(),
-                f"{unknown}(state->seen_v, state->target_a, state->recent, state->M, state->h,",
-                "    state->drive, state->load);",
-                f"const {real} nothing[{n}] = {{{self._number(0.0)}}};",
-                "guard_draw(state, nothing);",
+                "guard_draw(state, load);",
                 "guard_advance(state, false, dt);",
             ],
             "One tick of braking; anew, and without the law, where that lost the path.",

@@ -37,7 +37,7 @@ class GuardTick(GuardStop):
         """Return the lines of the public tick."""
         n, real, number, ok = self._n, self._real, self._number, self._status("OK")
         fast, slow = self._kernel(too_fast, 1, 1), self._kernel(slowed, 1, 1)
-        brake = self._kernel(braked, *[1] * 4, 2, 1, 1, 0, 0, *[1] * 4)
+        brake = self._kernel(braked, *[1] * 4, 2, 1, -4, 1, 0, 0, 0, *[1] * 5)
         where = "q, speed, M, believed ? h : g, g"
         rate = number(self._guard._stop.brake.rate)
         friction = [f"{real} friction[{n}];", self._each("friction[i] = {0};", number(0.0))]
@@ -96,10 +96,10 @@ class GuardTick(GuardStop):
             f"    {real} e[{n}];",
             *self._difference("state->target_q", "at", "e"),
             f"    {brake}(e, moves, state->target_v, state->target_a, state->M, state->h,",
-            f"        state->drive, {rate}, period, state->load, state->inertia, state->last,"
-            " wanted);",
+            f"        state->recent, state->drive, {rate}, period, seen, state->load,",
+            "        state->inertia, state->last, state->left, wanted);",
             "}",
-            "guard_send(state, wanted, period);",
+            "guard_send(state, wanted, seen ? speed : state->target_v, period);",
             self._each("tau[i] = state->tau[i];"),
             "if (by_law) {",
             f"    {self._each(' '.join(self._bare.around.noted('state->law')))}",
@@ -170,21 +170,24 @@ class GuardTick(GuardStop):
 
     def _send(self) -> list[str]:
         finite, limit = self._kernel(finite_or_last, 1, 1), self._kernel(within_limits, *[1] * 7, 0)
-        average = self._kernel(averaged, 1, 1, 0)
+        average, n = self._kernel(averaged, 1, 1, 1, 0, -4), self._n
+        firsts = ("state->tau[i] - state->h[i]", "v[i]")
+        averages = [f"state->recent[{k * n} + i] = {firsts[k % 2]};" for k in range(4)]
         return block(
-            f"static void guard_send({self._state}, {self._real} *wanted, {self._real} dt)",
+            f"static void guard_send({self._state}, {self._real} *wanted, const {self._real} *v, "
+            f"{self._real} dt)",
             [
                 f"{self._real} added[{self._n}];",
                 self._each(f"added[i] = {self._added()};"),
-                "if (!state->has_sent) {",
-                f"    {self._each('state->tau[i] = added[i];')}",
-                "    state->has_sent = 1;",
-                "}",
+                "const int is_first = !state->has_sent;",
+                f"if (is_first) {{ {self._each('state->tau[i] = added[i];')} }}",
+                "state->has_sent = 1;",
                 f"{finite}(wanted, state->tau);",
                 f"{limit}(wanted, state->tau, state->sent, added, state->torque_rate, {EFFORT},",
                 "    state->lag, dt);",
                 self._each("state->tau[i] = wanted[i]; state->sent[i] = wanted[i] - added[i];"),
-                f"{average}(state->recent, state->tau, dt);",
+                f"if (is_first) {{ {self._each(' '.join(averages))} }}",
+                f"{average}(state->tau, state->h, v, dt, state->recent);",
             ],
             "Bring the torque within all limits, and note it and what of it is commanded.",
         )

@@ -1,13 +1,17 @@
 """Safe stops from full speed with an unknown payload, under every convention of a robot's drives.
 
-    python -m tests.robust.safe_stops [ARM...] [--motions N] [--rotors SHARE] [--delay TICKS]
-        [--torque-rate R] [--distrust]
+    python -m tests.robust.safe_stops [ARM...] [--motions N] [--first N] [--payload KG]
+        [--rotors SHARE] [--delay TICKS] [--torque-rate R] [--distrust] [--least]
 
 Each run moves all joints of a MuJoCo robot at their speed limits at once, stops it there, and
-watches it for a second. Motions differ in place and direction.
+watches it for a second. Motions differ in place and direction. A stop that exceeds 1 s, 0.3 rad or
+1.02 times its speed is printed by itself; with `--least` beside the shortest way on which an arm of
+which all is known could stop there, if each joint only slows down, and if none gets faster than it
+was (`tests.robust.least_stop`).
 """
 
 import argparse
+import functools
 from dataclasses import dataclass
 from itertools import chain, combinations
 
@@ -63,6 +67,14 @@ class Stop:
     sag: float
     by_law: bool
     planned: float
+
+    @property
+    def is_kept(self):
+        """Whether it is at rest within a second and 0.3 rad, and never faster than at the start."""
+        return self.rest <= 1.0 and self.way <= 0.3 and self.speed <= 1.02
+
+    def __str__(self):
+        return f"rest {self.rest:.3f}, way {self.way:.3f}, speed {self.speed:.3f}"
 
 
 def full_speed(arm, true, seed):
@@ -154,11 +166,20 @@ def table(given):
     for name in given.arms:
         for words in CONVENTIONS[: given.conventions]:
             options = {"rotors": given.rotors, "friction": given.friction, "delay": given.delay}
-            options["torque_rate"] = given.torque_rate
+            options |= {"torque_rate": given.torque_rate, "payload": given.payload}
+            seeds = range(given.first, given.first + given.motions)
             rows = [
                 stop_once(name, words, seed=seed, trust_law=not given.distrust, **options)
-                for seed in range(given.motions)
+                for seed in seeds
             ]
+            missed = [k for k, row in enumerate(rows) if row.broke is None and not row.is_kept]
+            notes = [f"  motion {seeds[k]}: {rows[k]}" for k in missed]
+            if given.least:
+                load = (given.payload, given.friction, given.rotors)
+                notes = [
+                    f"{note}, least way {least(name, seeds[k], *load)}"
+                    for k, note in zip(missed, notes, strict=True)
+                ]
             broken = sum(row.broke is not None for row in rows)
             rows = [row for row in rows if row.broke is None]
             if not rows:
@@ -168,22 +189,39 @@ def table(given):
             for field in ("rest", "way", "speed", "sag", "planned"):
                 values = [getattr(row, field) for row in rows]
                 cells.append(f"{field} {np.median(values):.3f} {max(values):.3f}")
-            kept = sum(r.rest <= 1.0 and r.way <= 0.3 and r.speed <= 1.02 for r in rows)
+            kept = sum(row.is_kept for row in rows)
             cells.append(f"kept {kept} of {len(rows)}, by law {sum(r.by_law for r in rows)}")
             cells.append(f"not reached {broken}")
-            yield "  ".join(cells)
+            yield "\n".join(["  ".join(cells), *notes])
+
+
+@functools.cache
+def least(name, seed, payload, friction, rotors):
+    """The shortest ways on which this motion can be stopped, in words."""
+    from tests.robust.least_stop import least_way
+
+    if rotors:
+        return "not sought with rotors"
+    found = [
+        least_way(name, seed, payload=payload, friction=friction, starts=6, seconds=0.5, kept=kept)
+        for kept in ("slowing", "speed")
+    ]
+    return " and ".join(f"{ways[0]:.3f}" if ways else "none" for ways in found)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("arms", nargs="*", default=ARMS)
     parser.add_argument("--motions", type=int, default=5)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--payload", type=float, default=2.0)
     parser.add_argument("--rotors", type=float, default=0.0)
     parser.add_argument("--friction", type=float, default=0.5)
     parser.add_argument("--delay", type=int, default=1)
     parser.add_argument("--torque-rate", type=float)
     parser.add_argument("--conventions", type=int, default=len(CONVENTIONS))
     parser.add_argument("--distrust", action="store_true", help="stop without the law")
+    parser.add_argument("--least", action="store_true", help="seek the least ways of misses")
     for line in table(parser.parse_args()):
         print(line, flush=True)
 

@@ -10,6 +10,7 @@ from fotsmc_pin import checks
 from fotsmc_pin.arms.drive_size import drive_size
 from fotsmc_pin.compiled import kernel
 from fotsmc_pin.control.functions import clip
+from fotsmc_pin.control.safety.steps import BORNE, RECENT, SPEED
 from fotsmc_pin.control.saved_state import present
 from fotsmc_pin.copying import SharesNothing
 
@@ -22,11 +23,14 @@ if TYPE_CHECKING:
     from fotsmc_pin.types import Array
 
 RATE = 20.0
-"""Threefold root of the loop where the model is right [1/s]."""
+"""Double root of the loop where the model is right [1/s]."""
 MOST_HELD = 0.6
 """Share of the drive that holds what the model does not know."""
 HEAVIEST = 1.0 / 50.0
 """Largest inertia beyond the nominal one, over the size of the drive [s²/rad]."""
+FIRST = 1.0 / 20.0
+"""Inertia beyond the nominal one at first, over the torque that the model does not explain: a joint
+that bears some has gears, and a motor behind them [s²/rad]."""
 SLOW, QUICK = 15.0, 150.0
 """Rates at which a joint follows below and above which its inertia is taken for another [1/s]."""
 GROWTH, SEED = 40.0, 0.05
@@ -35,17 +39,22 @@ SHRINK = 0.7
 """Factor by which it shrinks in a tick."""
 NOISE, MOVING = 0.01, 0.05
 """Speeds that are not looked at: below the noise, and too small to matter [rad/s, m/s]."""
-MEMORY = ("load", "inertia", "last")
+STILL = 0.01
+"""Speed below which a joint has come to rest [rad/s, m/s]."""
+MEMORY = ("load", "inertia", "last", "left")
 
 
 class Brake(SharesNothing):
-    """A follower of last resort: PID in units of acceleration, on the nominal model.
+    """A follower that needs nothing but a model of the arm: it knows its own load from what acted.
 
-        τ = M0 (a_b + u) + J ∘ (a_b + u) + C0 v + G0 + w
-        u = -3 κ ė - 3 κ² e,   ẇ = -κ³ (diag M0 + J) ∘ e,   κ = 20 / s
+        τ = M̂ (a_b - 2 κ ė - κ² (e - e_r)) + C v + G + w,   κ = 20 / s
+        w = Q (τ - C v - G) - M̂ Q v̇,   M̂ = M + diag J
 
-    `J` is inertia that the model lacks, the rotors' and the payload's: it grows while a joint does
-    not follow, and shrinks while it follows too fast.
+    `Q` is an average over the last 10 ms, so that `w` is what the model did not explain of late:
+    friction, and errors of masses. `J` is inertia that the model lacks, as the rotors': it grows
+    while a joint does not follow, and shrinks while it follows too fast. A joint that has come to
+    rest at the end of its path is held where it is, at the error `e_r`: to be pulled on to where
+    the path ended would be another motion.
 
     Attributes:
         rate: `κ` [1/s]; less where ticks are long.
@@ -59,23 +68,23 @@ class Brake(SharesNothing):
 
     def reset(self) -> None:
         """Forget load and inertia."""
-        self._load, self._inertia, self._last = np.zeros((3, self._n))
+        self._load, self._inertia, self._last, self._left = np.zeros((4, self._n))
 
-    def begin(self, v: Array, a: Array, tau: Array, M: Array, h: Array) -> None:
-        """Begin with the load that `tau` (nv,) bore, as far as it does not drive the motion on.
-
-        Args:
-            v: velocity (nv,).
-            a: acceleration at which the torque acted (nv,).
-            tau: the torque (nv,).
-            M: mass matrix (nv, nv).
-            h: `C0 v + G0` (nv,).
-        """
-        borne(v, a, tau, M, h, self.drive, self._load)
-        self._last = np.zeros(self._n)
+    def begin(self, load: Array) -> None:
+        """Begin with a torque (nv,) that the model does not explain."""
+        begun(load, self.drive, self._load, self._inertia, self._last, self._left)
 
     def torque(
-        self, e: Array, v: Array, target: tuple[Array, Array], M: Array, h: Array, dt: float
+        self,
+        e: Array,
+        v: Array,
+        target: tuple[Array, Array],
+        M: Array,
+        h: Array,
+        recent: Array,
+        dt: float,
+        *,
+        sees: bool,
     ) -> Array:
         """Return the torque (nv,) of one tick.
 
@@ -84,12 +93,14 @@ class Brake(SharesNothing):
             v: velocity (nv,).
             target: the path's velocity and acceleration (nv,).
             M: mass matrix (nv, nv).
-            h: `C0 v + G0` (nv,).
+            h: `C v + G` (nv,).
+            recent: averages of what acted and of what was seen (4, nv); see `steps.averaged`.
             dt: time since the last tick [s].
+            sees: whether `v` was measured; else the load stays what it was.
         """
         tau = np.zeros(self._n)
-        memory = (self._load, self._inertia, self._last)
-        braked(e, v, *target, M, h, self.drive, self.rate, dt, *memory, tau)
+        memory = (self._load, self._inertia, self._last, self._left)
+        braked(e, v, *target, M, h, recent, self.drive, self.rate, dt, sees, *memory, tau)
         return tau
 
     def save_state(self) -> dict[str, Array]:
@@ -103,25 +114,27 @@ class Brake(SharesNothing):
             ArgumentError: an array is missing or of the wrong shape. The memory stays as it was.
         """
         rows = [checks.finite_vector(name, present(arrays, name), self._n) for name in MEMORY]
-        self._load, self._inertia, self._last = (np.array(row) for row in rows)
+        self._load, self._inertia, self._last, self._left = (np.array(row) for row in rows)
 
 
 @kernel
-def beyond_inertia(a: Array, tau: Array, M: Array, load: Array) -> None:
-    """Write the torque into `load` (nv,) that `tau` (nv,) bears beyond `M a`."""
-    for i in range(a.size):
-        load[i] = tau[i]
-        for j in range(a.size):
-            load[i] -= M[i, j] * a[j]
-
-
-@kernel
-def borne(v: Array, a: Array, tau: Array, M: Array, h: Array, drive: Array, load: Array) -> None:
-    """Write the torque into `load` (nv,) that the model does not explain; see `Brake.begin`."""
-    beyond_inertia(a, tau, M, load)
+def unexplained(v: Array, recent: Array, M: Array, load: Array) -> None:
+    """Write the torque into `load` (nv,) that acted of late beyond `M v̇ + C v + G`."""
     for i in range(v.size):
-        unknown = load[i] - h[i]
-        load[i] = 0.0 if unknown * v[i] > 0.0 else clip(unknown, MOST_HELD * drive[i])
+        load[i] = recent[BORNE, i]
+        for j in range(v.size):
+            load[i] -= M[i, j] * RECENT * (v[j] - recent[SPEED, j])
+
+
+@kernel
+def begun(
+    found: Array, drive: Array, load: Array, inertia: Array, last: Array, left: Array
+) -> None:
+    """Write the memory of a `Brake` that begins with the load `found` (nv,)."""
+    for i in range(found.size):
+        load[i] = clip(found[i], MOST_HELD * drive[i])
+        inertia[i] = min(FIRST * abs(found[i]), HEAVIEST * drive[i])
+        last[i], left[i] = 0.0, 0.0
 
 
 @kernel
@@ -132,16 +145,21 @@ def braked(
     a_b: Array,
     M: Array,
     h: Array,
+    recent: Array,
     drive: Array,
     rate: float,
     dt: float,
+    sees: bool,
     load: Array,
     inertia: Array,
     last: Array,
+    left: Array,
     tau: Array,
 ) -> None:
-    """One tick of the equations of `Brake`; `load`, `inertia` and `last` are its memory."""
+    """One tick of the equations of `Brake`; `load`, `inertia`, `last` and `left` are its memory."""
     a = np.zeros(v.size)
+    if sees:
+        unexplained(v, recent, M, load)
     for i in range(v.size):
         e_dot = v[i] - v_b[i]
         follows = (last[i] - e_dot) * last[i] / (dt * (last[i] * last[i] + NOISE * NOISE))
@@ -151,9 +169,14 @@ def braked(
             inertia[i] += GROWTH * dt * (inertia[i] + SEED * M[i, i])
         inertia[i] = min(inertia[i], HEAVIEST * drive[i])
         last[i] = e_dot
-        a[i] = a_b[i] - 3.0 * rate * e_dot - 3.0 * rate * rate * e[i]
-        held = load[i] - rate * rate * rate * dt * (M[i, i] + inertia[i]) * e[i]
-        load[i] = clip(held, MOST_HELD * drive[i])
+        if v_b[i] != 0.0 or a_b[i] != 0.0:
+            left[i] = 0.0
+        elif left[i] == 0.0 and abs(v[i]) < STILL:
+            left[i] = e[i]
+        a[i] = a_b[i] - 2.0 * rate * e_dot - rate * rate * (e[i] - left[i])
+        if sees:
+            load[i] -= inertia[i] * RECENT * (v[i] - recent[SPEED, i])
+            load[i] = clip(load[i], MOST_HELD * drive[i])
     for i in range(v.size):
         tau[i] = h[i] + inertia[i] * a[i] + load[i]
         for j in range(v.size):

@@ -5,17 +5,20 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from fotsmc_pin.compiled import kernel
 
 if TYPE_CHECKING:
     from fotsmc_pin.types import Array
 
-START, SPEED, RATE, WAY, UNKNOWN, BRAKING, JERK = range(7)
-"""Rows of a path's table (7, nv): speed that it begins with, velocity, acceleration, way from where
-it began, torque that the model does not explain, deceleration that is striven for, and jerk."""
-ROWS = 7
+START, SPEED, RATE, WAY, UNKNOWN, BRAKING, JERK, FIRST = range(8)
+"""Rows of a path's table (13, nv): speed that it begins with, velocity, acceleration, way from
+where it began, torque that the model does not explain, deceleration that is striven for, jerk, and
+speed of the arm where it began."""
+KEPT = 8
+LOWEST, HIGHEST, TRIED, BRAKES, ASKED = range(KEPT, KEPT + 5)
+"""Further rows, which a search overwrites: bounds of the decelerations, those that are tried, the
+accelerations that they are, and their torques."""
+ROWS = 13
 
 SHARE = 0.95
 """Share of the effort limits that braking may take; the rest is for following the path."""
@@ -46,6 +49,9 @@ its hardest, so that none is changed a lot that helps little; and the share of a
 torque may exceed it."""
 AT_REST, NO_WAY = 1e-3, 1e-6
 """Speed [rad/s, m/s] and way [rad, m] that do not count."""
+FASTER, NOISE = 1.005, 0.005
+"""Times the speed at the start, and speed beyond it [rad/s, m/s], from which on a joint is faster
+than it was."""
 UNBOUNDED = 1e9
 """Way within which every stop is [rad, m]."""
 
@@ -76,6 +82,15 @@ def speed_left(motion: Array) -> float:
         left += motion[SPEED, i] * motion[SPEED, i]
         whole += motion[START, i] * motion[START, i]
     return float(min(left / max(whole, NO_WAY * NO_WAY), 1.0))
+
+
+@kernel
+def is_faster(v: Array, motion: Array) -> bool:
+    """Whether a joint at the velocity `v` (nv,) is faster than the arm was where its path began."""
+    most = 0.0
+    for i in range(v.size):
+        most = max(most, abs(v[i]) - FASTER * motion[FIRST, i])
+    return most > NOISE
 
 
 @kernel
@@ -137,7 +152,7 @@ def limit_jerk(M: Array, torque_rate: Array, rise: float, motion: Array) -> None
     for i in range(n):
         asked = 0.0
         for j in range(n):
-            asked += LADEN * abs(M[i, j]) * motion[JERK, j]
+            asked += abs(M[i, j]) * motion[JERK, j]
         share = min(share, RATE_SHARE * torque_rate[i] / max(asked, 1e-9))
     for i in range(n):
         motion[JERK, i] *= share
@@ -172,10 +187,10 @@ def advanced(
     """
     n = motion.shape[1]
     for i in range(n):
-        found = tau[i] - h[i]
-        for j in range(n):
-            found -= LADEN * M[i, j] * motion[RATE, j]
-        motion[UNKNOWN, i] += weight * (found - motion[UNKNOWN, i])
+        motion[ASKED, i] = tau[i] - h[i]
+    add_inertia(-LADEN, M, motion[RATE], motion[ASKED])
+    for i in range(n):
+        motion[UNKNOWN, i] += weight * (motion[ASKED, i] - motion[UNKNOWN, i])
     time = common_time(motion, shortest)
     least, now, sweeps = way_in(motion, time), bound, 0
     for k in range(STEPS):
@@ -213,12 +228,12 @@ def keeps_torque(
     torques are beyond the limits least.
     """
     n = motion.shape[1]
-    lowest, highest = np.zeros(motion.shape[1]), np.zeros(motion.shape[1])
-    d, asked = np.zeros(motion.shape[1]), np.zeros(motion.shape[1])
+    lowest, highest, d = motion[LOWEST], motion[HIGHEST], motion[TRIED]
     time = common_time(motion, shortest)
     for i in range(n):
         v = motion[SPEED, i]
         size, left = abs(v), way - math.copysign(1.0, v) * motion[WAY, i]
+        lowest[i], highest[i], d[i] = 0.0, 0.0, 0.0
         if size == 0.0:
             continue
         if left <= NO_WAY and size > AT_REST:
@@ -232,7 +247,7 @@ def keeps_torque(
         highest[i] = min(highest[i], fading)
         lowest[i] = min(max(needed, motion[START, i] / max(time, LONGEST)), highest[i])
         d[i] = min(max(even, lowest[i]), highest[i])
-    sweeps = suffices(M, h, limit, lowest, highest, motion, d, asked)
+    sweeps = suffices(M, h, limit, motion)
     is_taken = sweeps > 0 or way == UNBOUNDED
     for i in range(n):
         motion[BRAKING, i] = d[i] if is_taken else motion[BRAKING, i]
@@ -240,26 +255,26 @@ def keeps_torque(
 
 
 @kernel
-def suffices(
-    M: Array,
-    h: Array,
-    limit: Array,
-    lowest: Array,
-    highest: Array,
-    motion: Array,
-    d: Array,
-    asked: Array,
-) -> int:
-    """Change decelerations `d` (nv,) within bounds until the torque suffices; return the sweeps.
+def add_inertia(factor: float, M: Array, a: Array, torque: Array) -> None:
+    """Add `factor M a` to a torque (nv,)."""
+    for i in range(a.size):
+        for j in range(a.size):
+            torque[i] += factor * M[i, j] * a[j]
+
+
+@kernel
+def suffices(M: Array, h: Array, limit: Array, motion: Array) -> int:
+    """Change the decelerations tried within their bounds until the torque suffices.
 
     Joint by joint, each takes a step that lessens the sum of squares of what is beyond the limits,
-    as shares of these; 0 sweeps where they all do not help. `asked` (nv,) is room for the torques.
+    as shares of these. Returned are the sweeps over the joints; 0 where they all do not help.
     """
-    n = motion.shape[1]
+    n, lowest, highest = motion.shape[1], motion[LOWEST], motion[HIGHEST]
+    d, asked = motion[TRIED], motion[ASKED]
     for i in range(n):
         asked[i] = h[i] + motion[UNKNOWN, i]
-        for j in range(n):
-            asked[i] -= LADEN * M[i, j] * math.copysign(d[j], motion[SPEED, j])
+        motion[BRAKES, i] = -math.copysign(d[i], motion[SPEED, i])
+    add_inertia(LADEN, M, motion[BRAKES], asked)
     for k in range(SWEEPS):
         worst = 0.0
         for i in range(n):

@@ -8,6 +8,8 @@ import numpy as np
 
 from fotsmc_pin import checks
 from fotsmc_pin.control.safety.braking_kernels import (
+    FIRST,
+    KEPT,
     LEARNT,
     RATE,
     ROWS,
@@ -16,6 +18,7 @@ from fotsmc_pin.control.safety.braking_kernels import (
     WAY,
     advanced,
     drawn,
+    is_faster,
     speed_left,
 )
 from fotsmc_pin.control.saved_state import present
@@ -29,7 +32,7 @@ if TYPE_CHECKING:
     from fotsmc_pin.arms import Arm
     from fotsmc_pin.types import Array
 
-NAMES = ("start", "v", "a", "way", "unknown", "braking", "jerk")
+NAMES = ("start", "v", "a", "way", "unknown", "braking", "jerk", "first")
 """What the rows of the path's table are called where they are saved."""
 
 
@@ -67,6 +70,7 @@ class BrakingPath(SharesNothing):
         h: Array,
         unknown: Array,
         *,
+        v: Array | None = None,
         is_urgent: bool = False,
     ) -> None:
         """Begin the path.
@@ -76,11 +80,13 @@ class BrakingPath(SharesNothing):
             M: mass matrix there (nv, nv).
             h: `C v + G` there (nv,).
             unknown: torque that the arm bears there beside `M a + h` (nv,).
+            v: velocity of the arm there (nv,), where it is not the path's.
             is_urgent: whether the deceleration is to rise soon, also where torques suffice.
         """
         motion, limit = self._motion, self._arm.effort_limit
         self._q = np.array(start[0], dtype=np.float64)
         motion[SPEED], motion[RATE], motion[UNKNOWN] = start[1], start[2], unknown
+        motion[FIRST] = np.abs(start[1] if v is None else v)
         self.bound = drawn(M, h, limit, self.torque_rate, self.least, is_urgent, motion)
 
     def advance(
@@ -106,9 +112,13 @@ class BrakingPath(SharesNothing):
         """Which share the path leaves of a torque that grows with the square of the speeds."""
         return speed_left(self._motion)
 
+    def is_faster(self, v: Array) -> bool:
+        """Return whether a joint at the velocity `v` (nv,) is faster than at the beginning."""
+        return is_faster(v, self._motion)
+
     def save_state(self) -> dict[str, Array]:
         """Return everything that is remembered."""
-        rows = dict(zip(NAMES, self._motion, strict=True))
+        rows = dict(zip(NAMES, self._motion[:KEPT], strict=True))
         return {"q": self._q, "bound": np.array(self.bound)} | rows
 
     def restore_state(self, arrays: Mapping[str, ArrayLike]) -> None:
@@ -121,4 +131,5 @@ class BrakingPath(SharesNothing):
         q = checks.finite_vector("q", present(arrays, "q"), arm.nq)
         bound = checks.finite_number("bound", present(arrays, "bound"), at_least=0.0)
         rows = [checks.finite_vector(name, present(arrays, name), arm.nv) for name in NAMES]
-        self._q, self.bound, self._motion = q, bound, np.array(rows)
+        self._q, self.bound = q, bound
+        self._motion[:KEPT] = rows

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from fotsmc_pin.control.safety.seen import Seen
     from fotsmc_pin.types import Array
 
-MEMORY = ("tau", "sent", "recent", "lag")
+MEMORY = ("tau", "sent", "lag")
 
 
 class Output(SharesNothing):
@@ -34,7 +34,7 @@ class Output(SharesNothing):
         rate: largest rate of each torque (nv,); inf for none [N·m/s, N/s].
         tau: the last tick's total torque (nv,) [N·m, N].
         sent: what of it is to be commanded (nv,).
-        recent: average of the last torques (nv,).
+        recent: averages of what was sent and seen of late (4, nv); see `steps.averaged`.
         lag: how far the torque is from what it would be without a limit of its rate (nv,).
         has_sent: whether there was one since the last reset.
     """
@@ -46,12 +46,14 @@ class Output(SharesNothing):
 
     def reset(self) -> None:
         """Forget every torque."""
-        self.tau, self.sent, self.recent, self.lag = np.zeros((4, self.arm.nv))
+        self.tau, self.sent, self.lag = np.zeros((3, self.arm.nv))
+        self.recent = np.zeros((4, self.arm.nv))
         self.has_sent = False
 
     def send(
         self,
         tau: Array,
+        moves: tuple[Array, Array],
         seen: Seen,
         dt: float,
         limits: LimitFilter | None = None,
@@ -61,14 +63,16 @@ class Output(SharesNothing):
 
         Args:
             tau: the total torque that is wanted; overwritten.
+            moves: velocity, and `C v + G` of the nominal arm (nv,).
             seen: where the arm is.
             dt: time since the last tick [s].
             limits: what the arm may never pass.
             terms: mass matrix and `C v + G` where they are known already.
         """
-        adds = self.drives.adds
+        adds, (v, h) = self.drives.adds, moves
         added = self.drives.added_at(seen) if adds else self._nothing
-        if not self.has_sent:  # What acts before the first torque is what the drives add.
+        is_first = not self.has_sent
+        if is_first:  # What acts before the first torque is what the drives add.
             self.tau, self.has_sent = added, True
         last, sent, rate, limit = self.tau, self.sent, self.rate, self._limit
 
@@ -83,12 +87,14 @@ class Output(SharesNothing):
             is_free = not adds and bool(np.isinf(rate).all())
             tau = limits.torque(tau, None if is_free else allowed, terms)
         self.tau, self.sent = tau, tau - added if adds else tau
-        averaged(self.recent, tau, dt)
+        if is_first:
+            self.recent = np.array([tau - h, v, tau - h, v])
+        averaged(tau, h, v, dt, self.recent)
 
     def save_state(self) -> dict[str, Array]:
         """Return everything that is remembered."""
         own = {name: getattr(self, name) for name in MEMORY}
-        return own | {"has_sent": np.array(self.has_sent)}
+        return own | {"recent": self.recent, "has_sent": np.array(self.has_sent)}
 
     def restore_state(self, arrays: Mapping[str, ArrayLike]) -> None:
         """Take over what `save_state` gave.
@@ -97,8 +103,9 @@ class Output(SharesNothing):
             ArgumentError: an array is missing or of the wrong shape. The memory stays as it was.
         """
         n = self.arm.nv
-        tau, sent, recent, lag = (
+        tau, sent, lag = (
             np.array(checks.finite_vector(name, present(arrays, name), n)) for name in MEMORY
         )
+        recent = checks.finite_array("recent", present(arrays, "recent"), (4, n))
         self.has_sent = bool(present(arrays, "has_sent"))
-        self.tau, self.sent, self.recent, self.lag = tau, sent, recent, lag
+        self.tau, self.sent, self.lag, self.recent = tau, sent, lag, recent

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fotsmc_pin.control.safety.brake import Brake, beyond_inertia
+from fotsmc_pin.control.safety.brake import Brake, unexplained
 from fotsmc_pin.control.safety.braking_path import BrakingPath
+from fotsmc_pin.control.safety.carried import Carried
 from fotsmc_pin.control.safety.seen import Seen
-from fotsmc_pin.control.safety.steps import is_kept
+from fotsmc_pin.control.safety.steps import caught_up, is_kept
 from fotsmc_pin.control.saved_state import part, present, with_prefix
 from fotsmc_pin.copying import SharesNothing
 
@@ -38,6 +39,7 @@ class SafeStop(SharesNothing):
         is_under_way: whether the path was begun.
         path: the path.
         brake: the brake.
+        carried: the mass at the tool that path and brake reckon with.
     """
 
     def __init__(
@@ -54,27 +56,31 @@ class SafeStop(SharesNothing):
         """
         self.arm, self._dt, self._fastest = arm, dt, fastest
         self.path, self.brake = BrakingPath(arm, least, torque_rate), Brake(arm, dt)
+        self.carried = Carried(arm)
         self.reset()
 
     def reset(self) -> None:
         """Forget the stop."""
         self.by_law, self.is_under_way = True, False
         self.brake.reset()
+        self.carried.reset()
 
-    def begin(self, seen: Seen, target: tuple[Array, Array, Array] | None, tau: Array) -> None:
+    def begin(self, seen: Seen, target: tuple[Array, Array, Array] | None, recent: Array) -> None:
         """Begin to brake from where the arm was last seen, or at its `target` where that is near.
 
-        `tau` is the torque that acted of late, from which the load follows that the arm bears.
+        Args:
+            seen: where the arm was last seen.
+            target: what it followed: configuration (nq,), velocity and acceleration (nv,).
+            recent: averages of what acted and of what was seen (4, nv), from which follows what
+                the arm carries and bears; they are brought up to date.
         """
         assert seen.q is not None
         start = (seen.q, seen.v, np.zeros(self.arm.nv))
         if target is not None and self._is_kept((seen.q, seen.v), target, NEAR, ALIKE):
             start = target
-        load = np.zeros(self.arm.nv)
-        beyond_inertia(start[2], tau, seen.mass_matrix, load)
-        in_doubt = not self.by_law
-        self.path.begin(start, seen.mass_matrix, seen.h, load - seen.h, is_urgent=in_doubt)
-        self.brake.begin(seen.v, start[2], tau, seen.mass_matrix, seen.h)
+        caught_up(recent)
+        self.carried.find(seen, recent)
+        self._draw(start, seen, recent, is_urgent=not self.by_law)
         self.is_under_way = True
 
     def advance(
@@ -82,22 +88,28 @@ class SafeStop(SharesNothing):
     ) -> tuple[Array, Array, Array]:
         """Return the path's `q`, `v` and `a` after another `dt` seconds.
 
-        A law that lost the path is no longer followed: braking begins anew from where the arm is.
-        What braking found too much then is inertia, not load.
+        A law that lets a joint become faster than it was is no longer followed; where it lost the
+        path too, braking begins anew from where the arm is.
 
         Args:
             state: measured configuration (nq,) and velocity (nv,); None where they are not usable.
             seen: where the arm was last seen.
-            acted: the last torque (nv,), and the average of the last ones.
+            acted: the last torque (nv,), and the averages as in `begin`.
             dt: the time [s].
         """
-        M, h, (tau, recent) = seen.mass_matrix, seen.h, acted
+        tau, recent = acted
+        M, h, _ = self.carried.model(seen, recent)
         target = self.path.advance(M, h, tau, dt, learns=state is not None)
-        if state is None or not self.by_law or self._is_kept(state, target, LOST, ASTRAY):
+        if state is None or not self.by_law:
             return target
-        self.by_law, nothing = False, np.zeros(self.arm.nv)
-        self.path.begin((*state, nothing), M, h, nothing, is_urgent=True)
-        self.brake.begin(state[1], target[2], recent, M, h)
+        is_kept = self._is_kept(state, target, LOST, ASTRAY)
+        if is_kept and not self.path.is_faster(state[1]):
+            return target
+        self.by_law = False
+        if is_kept:
+            self.brake.begin(self._load(seen, recent))
+            return target
+        self._draw((*state, np.zeros(self.arm.nv)), seen, recent, is_urgent=True)
         return self.path.advance(M, h, tau, dt, learns=False)
 
     def torque(
@@ -105,20 +117,39 @@ class SafeStop(SharesNothing):
         state: tuple[Array, Array] | None,
         seen: Seen,
         target: tuple[Array, Array, Array],
+        recent: Array,
         dt: float,
     ) -> Array:
         """Return the brake's torque (nv,); blind, along the path, where `state` is None."""
         q, v = target[:2] if state is None else state
-        e = self.arm.difference(target[0], q)
-        return self.brake.torque(e, v, target[1:], seen.mass_matrix, seen.h, dt)
+        e, sees = self.arm.difference(target[0], q), state is not None
+        model = self.carried.model(seen, recent)
+        return self.brake.torque(e, v, target[1:], *model, dt, sees=sees)
+
+    def _draw(
+        self, start: tuple[Array, Array, Array], seen: Seen, recent: Array, *, is_urgent: bool
+    ) -> None:
+        """Begin path and brake with the torque that the model does not explain."""
+        M, h, _ = self.carried.model(seen, recent)
+        load = self._load(seen, recent)
+        self.path.begin(start, M, h, load, v=seen.v, is_urgent=is_urgent)
+        self.brake.begin(load)
+
+    def _load(self, seen: Seen, recent: Array) -> Array:
+        """Return the torque (nv,) that the model does not explain."""
+        M, _, beyond = self.carried.model(seen, recent)
+        load = np.zeros(self.arm.nv)
+        unexplained(seen.v, beyond, M, load)
+        return load
 
     def run_through(self) -> Seen:
         """Stop an arm at rest, which compiles all kernels, and forget it; return where it stood."""
         q, still, seen = self.arm.neutral, np.zeros(self.arm.nv), Seen(self.arm)
         seen.see(q, still)
-        self.begin(seen, (q, still, still), still)
-        target = self.advance((q, still), seen, (still, still), self._dt)
-        self.torque(None, seen, target, self._dt)
+        recent = np.zeros((4, self.arm.nv))
+        self.begin(seen, (q, still, still), recent)
+        target = self.advance((q, still), seen, (still, recent), self._dt)
+        self.torque(None, seen, target, recent, self._dt)
         self.reset()
         return seen
 
@@ -126,7 +157,8 @@ class SafeStop(SharesNothing):
         """Return everything that is remembered, as arrays."""
         own = {"by_law": np.array(self.by_law), "is_under_way": np.array(self.is_under_way)}
         path = with_prefix("path", self.path.save_state())
-        return own | path | with_prefix("brake", self.brake.save_state())
+        carried = with_prefix("carried", self.carried.save_state())
+        return own | path | carried | with_prefix("brake", self.brake.save_state())
 
     def restore_state(self, arrays: Mapping[str, ArrayLike]) -> None:
         """Take over what `save_state` gave.
@@ -135,10 +167,12 @@ class SafeStop(SharesNothing):
             ArgumentError: an array is missing or of the wrong shape. The memory stays as it was.
         """
         by_law, is_under_way = (bool(present(arrays, name)) for name in ("by_law", "is_under_way"))
-        path = copy.copy(self.path)
+        path, carried = copy.copy(self.path), copy.copy(self.carried)
         path.restore_state(part(arrays, "path"))
+        carried.restore_state(part(arrays, "carried"))
         self.brake.restore_state(part(arrays, "brake"))
-        self.path, self.by_law, self.is_under_way = path, by_law, is_under_way
+        self.path, self.carried = path, carried
+        self.by_law, self.is_under_way = by_law, is_under_way
 
     def _is_kept(
         self,

@@ -39,8 +39,9 @@ class Safeguard(Wrapper):
     not usable, when a tick comes later than `watchdog`, or when a joint is faster than
     `speed_margin` times its limit. The arm brakes on a `BrakingPath` and is held where it comes to
     rest. The law itself follows that path, as it knows the arm best, unless it is the law that is
-    in doubt: where a joint was too fast or a measurement is unusable, and where the path is not
-    kept. Then a `Brake` does, which needs nothing but the nominal model.
+    in doubt: where a joint was too fast or a measurement is unusable, where the path is not kept,
+    and where a joint gets faster than it was. Then a `Brake` does, which needs nothing but the
+    nominal model, with a mass at the tool that is found as the stop begins (`Carried`).
 
     Torques are the total ones of `M a + C v + G = τ`. What the drives of a robot add themselves is
     told by `compensates`, and `sent` is what remains to be commanded; the limits hold for both.
@@ -104,6 +105,11 @@ class Safeguard(Wrapper):
     def limits(self) -> Limits | None:
         """What the arm may never pass; None for no limits."""
         return self._limits.limits if self._limits else None
+
+    @property
+    def torque_rate(self) -> Array:
+        """Largest rate of each torque (nv,) [N·m/s, N/s]; inf for no limit."""
+        return self._rate.copy()
 
     @property
     def compensates(self) -> tuple[str, ...]:
@@ -231,12 +237,14 @@ class Safeguard(Wrapper):
         if state is not None:
             self._seen.see(*state, is_believed=is_believed)
         if tau is None:
-            tau = self._stop.torque(state, self._seen, target, period)
+            tau = self._stop.torque(state, self._seen, target, self._output.recent, period)
         elif self._friction is not None and not self._output.drives.hides_friction:
             friction = self._friction.torque(target[1])
             tau += friction
         terms = getattr(self.controller, "model_terms", None) if by_law else None
-        self._output.send(tau, self._seen, period, self._limits, terms)
+        h = terms.h if terms is not None and terms.is_bare(self.arm) else self._seen.h
+        v = target[1] if state is None else state[1]
+        self._output.send(tau, (v, h), self._seen, period, self._limits, terms)
         if self._limits is not None and self._limits.broken is not None:
             self.stop(self._limits.broken, trust_law=False)
         self._target = target if self._is_led or self.stopped is not None else None
@@ -294,4 +302,4 @@ class Safeguard(Wrapper):
         speed, seen = np.zeros(self.arm.nv), self._stop.run_through()
         if not too_fast(speed, self._fastest):
             slowed(speed, self._fastest)
-        copy.copy(self._output).send(speed, seen, self.dt)
+        copy.copy(self._output).send(speed, (speed, seen.h), seen, self.dt)

@@ -14,6 +14,9 @@ if TYPE_CHECKING:
 CATCHING_UP, CAUGHT_UP = 20.0, 1e-4
 """Rate at which a torque makes up for what its own rate made it lag behind [1/s], and the lag, as a
 share of the limit, that does not count."""
+BORNE, SPEED = 0, 1
+"""Rows of a safeguard's averages, (4, nv): of the torque beyond `C v + G`, and of the velocity; the
+averages of both follow, which tell how far they lag behind."""
 RECENT = 100.0
 """Rate at which the torque is averaged that a stop begins with [1/s]."""
 
@@ -125,8 +128,19 @@ def within_limits(
 
 
 @kernel
-def averaged(recent: Array, tau: Array, dt: float) -> None:
-    """Take the torque `tau` (nv,) into the average of the last ones, `recent` (nv,)."""
+def averaged(tau: Array, h: Array, v: Array, dt: float, recent: Array) -> None:
+    """Take `tau - h` and velocity (nv,) into the averages of the last ones, `recent` (4, nv)."""
     weight = min(RECENT * dt, 1.0)
     for i in range(tau.size):
-        recent[i] += weight * (tau[i] - recent[i])
+        recent[BORNE, i] += weight * (tau[i] - h[i] - recent[BORNE, i])
+        recent[SPEED, i] += weight * (v[i] - recent[SPEED, i])
+        for k in range(2):
+            recent[2 + k, i] += weight * (recent[k, i] - recent[2 + k, i])
+
+
+@kernel
+def caught_up(recent: Array) -> None:
+    """Make up for the lag of the averages `recent` (4, nv) while what they follow rises evenly."""
+    for i in range(recent.shape[1]):
+        for k in range(2):
+            recent[k, i] += recent[k, i] - recent[2 + k, i]
