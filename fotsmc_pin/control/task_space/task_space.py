@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from fotsmc_pin import checks
 from fotsmc_pin.arms import demand_arm
 from fotsmc_pin.arms.frames import frame_id
+from fotsmc_pin.control.computed_torque import ComputedTorque
 from fotsmc_pin.control.controller import LONGEST_TICK, SHORTEST_TICK, Controller
 from fotsmc_pin.control.robust_fonftsm import RobustFONFTSM
 from fotsmc_pin.control.task_space.directions import Directions
@@ -86,7 +87,7 @@ class TaskSpace(TaskMemory):
         directions: str | Iterable[str] = "all",
         law: Maker = RobustFONFTSM,
         posture: ArrayLike | None = None,
-        posture_law: Maker = RobustFONFTSM,
+        posture_law: Maker | None = None,
         length: float | None = None,
         threshold: float | None = None,
         **gains: Any,
@@ -103,8 +104,9 @@ class TaskSpace(TaskMemory):
             law: class of a law, or a function that makes one of an arm and a tick.
             posture: configuration that a redundant arm stays near (nq,); that of the first tick by
                 default.
-            posture_law: as `law`, for the posture and what is given up at singularities;
-                `ComputedTorque` takes less time, and is less firm.
+            posture_law: as `law`, for the posture and what is given up at singularities. By default
+                `ComputedTorque` for a redundant arm, whose posture is to give way and to rest where
+                friction holds it; else `RobustFONFTSM`, which has nothing to hold but that.
             length: what a radian counts as [m]; a tenth of the arm's reach by default.
             threshold: `σ_0` of `mobility` [m]; 0.01 of the arm's reach by default.
             **gains: of the law, where `law` is a class.
@@ -132,6 +134,8 @@ class TaskSpace(TaskMemory):
         )
         body = tool_body(arm, self._frame, self.directions, self.length)
         self.law: Controller[Any] = law(body, self.dt, **gains)
+        if posture_law is None:
+            posture_law = ComputedTorque if arm.nv > m else RobustFONFTSM
         self.posture_law: Controller[Any] = posture_law(arm, self.dt)
         self._allocate()
         self._link()

@@ -69,6 +69,15 @@ def test_learning_makes_it_five_times_better(ur5, swing):
     assert turn < 0.1e-3
 
 
+def test_a_redundant_arm_rests_where_friction_holds_it():
+    arm, q0 = fp.load_arm("panda"), np.array([0.0, -0.5, 0.0, -2.0, 0.0, 1.6, 0.8])
+    true, loop = stressed(arm)
+    rec = fp.simulate(
+        true, fp.TaskSpace(arm, DT), PoseHold(pose=arm.tool_pose(q0)), 8.0, q0=q0, **loop
+    )
+    assert np.ptp(rec.q[4000:], axis=0).max() < 0.2e-3
+
+
 def test_large_angles_are_closed_on_the_shortest_way(seven):
     goal = seven.tool_pose(READY)
     far = pin.SE3(goal.rotation @ pin.exp3(np.array([0.0, 0.0, 2.8])), goal.translation)
@@ -107,16 +116,17 @@ def test_posture_moves_the_elbow_and_not_the_tool(seven):
     assert pose_errors(rec, 0.0)[:, 0].max() < 0.1e-3
 
 
-def test_posture_holds_and_leaves_the_tool_alone_on_the_stressed_plant(seven):
+@pytest.mark.parametrize(("posture_law", "off"), [(None, 1e-2), (fp.RobustFONFTSM, 2e-3)])
+def test_posture_holds_and_leaves_the_tool_alone_on_the_stressed_plant(seven, posture_law, off):
     true, loop = stressed(seven)
     other = READY + np.array([0.6, 0.0, -0.6, 0.0, 0.3, 0.0, 0.0])
     still = PoseHold(pose=seven.tool_pose(READY))
     ways = []
     for posture in (READY, other):
-        ctl = fp.TaskSpace(seven, DT, posture=posture)
+        ctl = fp.TaskSpace(seven, DT, posture=posture, posture_law=posture_law)
         rec = fp.simulate(true, ctl, still, 4.0, q0=READY, **loop)
         ways.append(pose_errors(rec, 0.0)[:, 0].max())
-        assert np.abs(rec.q - rec.q_d)[2000:].max() < 5e-3
+        assert np.abs(rec.q - rec.q_d)[2000:].max() < off
     assert np.abs(rec.q[-1] - rec.q[0]).max() > 0.2
     assert ways[1] - ways[0] < 0.1e-3
 
