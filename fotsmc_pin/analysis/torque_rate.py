@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from fotsmc_pin.types import Array
 
 RATES = 512
+"""Frequencies over which noise is summed."""
 AMPLITUDE = 1e-4
 """Error at which slopes are taken [rad, m]."""
 ENOUGH = 2.0

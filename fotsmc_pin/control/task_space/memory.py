@@ -16,7 +16,8 @@ from fotsmc_pin.control.saved_state import part, present, with_prefix
 from fotsmc_pin.control.task_space.chain import chain_of
 from fotsmc_pin.control.task_space.configurations import places_in_q
 from fotsmc_pin.control.task_space.given import read_motion
-from fotsmc_pin.control.task_space.tick import tell, tick
+from fotsmc_pin.control.task_space.sharing import tell
+from fotsmc_pin.control.task_space.tick import tick
 from fotsmc_pin.control.task_space.tool_rows import (
     NUMBERS,
     POINT,

@@ -49,7 +49,7 @@ class TaskSpace(TaskMemory):
 
     with the torque `τ_p` of a second law, on the joints, for the posture. Where no direction is
     lost, `κ = 1`, and posture does not accelerate the tool; at a singularity `κ = 0`, and posture's
-    law has the arm (`tick.tell`). `T_f` is where a point in joint space has the tool,
+    law has the arm (`sharing.tell`). `T_f` is where a point in joint space has the tool,
     which goes where the reference `T_d` asks it to be as far as that is possible (`feasible`): at
     the start it is where the arm is; at a singularity, a joint's end or beyond a speed limit it
     stays behind, and the signals say by how much. On the way `T_f = T_d`.

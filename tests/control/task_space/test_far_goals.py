@@ -87,7 +87,7 @@ def test_the_arm_comes_to_rest_with_the_point(name):
     assert (np.abs(rec.v) < arm.velocity_limit).all()
 
 
-STRETCHED = {  # Random configurations, directions, ways; time, of which the kinova takes its.
+STRETCHED = {  # Configuration, direction, way [m] and time [s]; the kinova is slow.
     "ur5": ([0.5, -1.9, -1.2, 0.7, 2.1, -0.4], [0.3, 0.6, 0.5], 0.1, 8.0),
     "kinova": ([0.9, 2.6, 1.9, -0.7, 0.4, 1.2], [-0.4, 0.7, 0.2], 0.1, 18.0),
     "panda": ([0.4, -0.7, 0.9, -1.9, -1.1, 2.2, 0.3], [0.9, -0.5, 0.05], 1.0, 8.0),

@@ -7,7 +7,7 @@ import pytest
 import fotsmc_pin as fp
 from fotsmc_pin.control.task_space.chain import chain_motion, chain_of
 from fotsmc_pin.control.task_space.mobility import eigen, factor, task_inertia
-from fotsmc_pin.control.task_space.tick import act
+from fotsmc_pin.control.task_space.sharing import act
 from fotsmc_pin.control.task_space.tool_rows import JACOBIAN, JACOBIAN_T, TASK
 from fotsmc_pin.references import PoseSwing
 
